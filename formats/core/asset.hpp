@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// The logical content of an asset file (`*.souple`), version 1.0, as plain structs.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/core/mesh.hpp"
+
+namespace souple {
+
+inline constexpr int asset_version_major = 1;
+inline constexpr int asset_version_minor = 0;
+
+/// One level of the hierarchy: `mesh/levels/<l>`, l = 0 coarsest.
+struct MeshLevel {
+  TetMesh mesh;                    ///< rest shape, metres
+  std::vector<Triangle> boundary;  ///< outward
+  /// Empty at level 0. Else one pair per node: {i, i} keeps node i of the coarser level, {a, b} is the
+  /// midpoint of its edge (a, b): row of the prolongation with weight 1, or 1/2 and 1/2.
+  std::vector<std::array<Index, 2>> parents;
+};
+
+struct MaterialRegion {
+  std::string name;
+  double young_pa = 1e4;          ///< E > 0
+  double poisson = 0.4;           ///< in (-1, 0.5)
+  double density_kg_m3 = 1000.0;  ///< > 0
+};
+
+struct Material {
+  std::vector<MaterialRegion> regions;  ///< at least one
+  /// Region of every tet of the finest level; empty: all tets in region 0.
+  std::vector<Index> tet_region;
+  double rayleigh_mass_per_s = 0.1;    ///< alpha of B = alpha M + beta K, >= 0
+  double rayleigh_stiffness_s = 0.01;  ///< beta, >= 0
+};
+
+/// A named set of nodes of the finest level that a scene may hold fixed: `constraints/<name>`.
+struct FixedSet {
+  std::string name;
+  std::vector<Index> nodes;  ///< sorted, unique, not empty, not all
+};
+
+enum class ComplianceKind : std::uint8_t { dynamic_step, static_equilibrium };
+
+/// How the bytes of a variant are to be read. Names in the file: "dense-tiled".
+enum class ComplianceRepresentation : std::uint8_t {
+  /// Lower block triangle of the symmetric 3n x 3n matrix in square tiles of `tile_nodes` nodes.
+  /// Block b = I (I + 1) / 2 + J holds tile (I, J), J <= I, row-major; diagonal tiles are stored whole,
+  /// rows and columns past n are zero. Every block has (3 tile_nodes)^2 scalars.
+  dense_tiled,
+};
+
+enum class ScalarType : std::uint8_t { float32, float64 };
+
+/// What was measured of a stored compliance C~ against the computed C. All relative, dimensionless.
+struct ComplianceError {
+  double solve_residual = 0;   ///< max over columns of ||A0 C e_j - e_j||_2, in double, before storing
+  double scaled_spectral = 0;  ///< ||D^-1/2 (C - C~) D^-1/2||_2, D the 3x3 diagonal blocks of C
+  double frobenius = 0;        ///< ||C - C~||_F / ||C||_F
+  double worst_column = 0;     ///< max over columns of ||(C - C~) e_j||_2 / ||C e_j||_2
+};
+
+/// Attributes of `compliance/<name>`: for what it was made and how exact it is; no bulk data.
+struct ComplianceHeader {
+  std::string name;
+  ComplianceKind kind = ComplianceKind::dynamic_step;
+  double time_step_s = 0;  ///< > 0 if dynamic, 0 if static
+  std::string fixed_set;   ///< empty: none (dynamic only)
+  /// C0 = (mass_factor M + stiffness_factor K)^-1 with the fixed nodes removed:
+  /// 1/h^2 + alpha/h and 1 + beta/h (dynamic), 0 and 1 (static).
+  double mass_factor = 0;
+  double stiffness_factor = 1;
+  double tolerance_asked = 0;  ///< 0: exact to the scalar type
+  ComplianceError error;
+  ComplianceRepresentation representation = ComplianceRepresentation::dense_tiled;
+  ScalarType scalar = ScalarType::float32;
+  std::int64_t node_count = 0;  ///< n: nodes the compliance couples
+  std::int64_t tile_nodes = 0;  ///< dense_tiled only
+  std::int64_t block_count = 0;
+  std::int64_t block_scalars = 0;  ///< scalars per block
+};
+
+struct ComplianceVariant {
+  ComplianceHeader header;
+  std::vector<Index> nodes;          ///< finest-level node of every row block, ascending, size n
+  std::vector<std::byte> payload;    ///< blocks one after another, little-endian scalars; m/N
+};
+
+struct Provenance {
+  std::string generator;            ///< "souple 0.1.0"
+  std::string recipe;               ///< effective recipe, TOML text
+  std::string input_name;           ///< file name of the surface, without folders
+  std::string input_hash;           ///< hex of the input's bytes
+};
+
+struct Asset {
+  std::vector<MeshLevel> levels;  ///< at least one; the last is the one that is simulated
+  Material material;
+  std::vector<FixedSet> fixed_sets;
+  std::vector<ComplianceVariant> compliances;
+  Provenance provenance;
+};
+
+}  // namespace souple

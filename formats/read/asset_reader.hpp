@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+// Reads `*.souple` assets. Every group opens on its own: what is not asked for is not read.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/core/asset.hpp"
+#include "formats/core/result.hpp"
+
+namespace souple {
+
+/// What one group of the file costs.
+struct GroupCost {
+  std::string path;               ///< "mesh/levels/1", "compliance/default"
+  std::uint64_t stored_bytes = 0; ///< in the file, compressed
+  std::uint64_t raw_bytes = 0;    ///< decoded
+};
+
+/// An opened asset. Movable; closes the file when destroyed. Not for real-time threads; one thread at a
+/// time. Every length, index, rank, type and value is checked before it is used or allocated for.
+class AssetReader {
+ public:
+  /// Issues: io_file_missing, io_cannot_read, asset_not_an_asset, asset_corrupt, unsupported_version.
+  static Result<AssetReader> open(const std::filesystem::path& file);
+  /// As open, from the bytes of a file; `bytes` must outlive the reader.
+  static Result<AssetReader> open_memory(std::span<const std::byte> bytes);
+
+  AssetReader(AssetReader&&) noexcept;
+  AssetReader& operator=(AssetReader&&) noexcept;
+  ~AssetReader();
+
+  int version_major() const;
+  int version_minor() const;
+  const std::string& content_hash() const;  ///< as stored: hex, over the logical content
+  Result<Provenance> read_provenance();
+
+  std::size_t level_count() const;
+  Result<MeshLevel> read_level(std::size_t level);
+  Result<Material> read_material();
+  const std::vector<std::string>& fixed_set_names() const;
+  Result<FixedSet> read_fixed_set(const std::string& name);
+  const std::vector<std::string>& compliance_names() const;
+  Result<ComplianceHeader> read_compliance_header(const std::string& name);
+  Result<ComplianceVariant> read_compliance(const std::string& name);
+
+  Result<std::vector<GroupCost>> group_costs();  ///< headers only, no bulk data
+  /// Bytes fetched from the file so far, metadata included, as counted below HDF5.
+  std::uint64_t bytes_read() const;
+
+ private:
+  struct State;
+  explicit AssetReader(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// Everything at once. Same issues as AssetReader; does not verify the content hash (validate does).
+Result<Asset> read_asset(AssetReader& reader);
+
+}  // namespace souple

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+// From an asset file to a SoftBodyAsset. Reads files: never call it from a real-time thread.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "formats/core/result.hpp"
+#include "formats/read/asset_reader.hpp"
+
+namespace souple {
+
+class SoftBodyAsset;
+
+struct LoadOptions {
+  /// Names of the compliance variants to load; empty: all. Others are not read.
+  std::vector<std::string> compliances;
+};
+
+/// Reads the finest level, material, fixed sets and the chosen compliances, and prepares the body.
+/// Issues: those of AssetReader; asset_missing_part; mesh_element_invalid; material_out_of_range.
+Result<std::shared_ptr<const SoftBodyAsset>> load_soft_body(AssetReader& reader,
+                                                            const LoadOptions& options = {});
+Result<std::shared_ptr<const SoftBodyAsset>> load_soft_body(const std::filesystem::path& file,
+                                                            const LoadOptions& options = {});
+
+}  // namespace souple

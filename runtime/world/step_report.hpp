@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include <cstddef>
+
+namespace souple {
+
+/// Wall seconds of one step by phase.
+struct PhaseTimes {
+  double free_motion_s = 0;  ///< rotations, assembly, PCG
+  double collision_s = 0;
+  double compliance_s = 0;   ///< Delassus operator
+  double contact_solve_s = 0;
+  double correction_s = 0;
+  double total_s = 0;
+};
+
+/// What one step did and how well the laws are met, measured outside the solvers after the step.
+struct StepReport {
+  PhaseTimes times;
+  std::size_t contact_count = 0;     ///< pairs below the alarm distance
+  std::size_t active_count = 0;      ///< of these, carrying force
+  int contact_sweeps = 0;
+  double contact_residual = 0;       ///< natural map, rho_i = 1 / mean eigenvalue of W_ii, over ||f||
+  int free_motion_iterations = 0;    ///< summed over bodies
+  double free_motion_residual = 0;   ///< worst relative residual over bodies
+  double worst_penetration_m = 0;    ///< at boundary vertices
+  double worst_surface_depth_m = 0;  ///< true depth of the deformed surface
+  double cone_violation = 0;         ///< max (|f_t| - mu f_n) / max |f|
+  double kinetic_energy_j = 0;
+  double elastic_energy_j = 0;
+  double potential_energy_j = 0;     ///< of gravity, from the origin
+};
+
+}  // namespace souple

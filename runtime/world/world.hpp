@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/core/mesh.hpp"
+#include "formats/core/result.hpp"
+#include "runtime/world/settings.hpp"
+#include "runtime/world/step_report.hpp"
+
+namespace souple {
+
+class SoftBodyAsset;
+struct ContactProblemView;
+
+struct BodyId {
+  std::uint32_t index = 0;
+};
+
+/// One contact after a step, in world coordinates. The force acts on body A; -force on body B.
+struct ContactRecord {
+  BodyId body_a, body_b;
+  Point point_m{};
+  Point normal{};   ///< unit, from B to A
+  Point force_n{};
+  double gap_m = 0;  ///< after the step; < 0 penetrates
+};
+
+/// Several bodies in one contact problem, stepped together (METHOD Alg. 11).
+class World {
+ public:
+  /// Issue world_parameter_invalid.
+  static Result<World> create(const WorldSettings& settings);
+  World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
+  ~World();
+
+  /// The asset is shared and const; the body is a cheap instance of it.
+  /// Issues: world_parameter_invalid, fixed_set_invalid, scene_no_matching_compliance.
+  Result<BodyId> add_soft_body(std::shared_ptr<const SoftBodyAsset> asset,
+                               const SoftBodyDescription& description);
+  Result<BodyId> add_rigid_body(const RigidBodyDescription& description);
+
+  /// One time step. Allocates nothing once the largest contact count has been seen. On an issue
+  /// (step_not_finite) the state is that before the step.
+  Result<StepReport> step();
+
+  double time_s() const;
+  std::size_t body_count() const;
+  const std::string& body_name(BodyId body) const;
+  bool is_soft(BodyId body) const;
+  const SoftBodyAsset& asset(BodyId soft_body) const;
+
+  std::span<const Point> positions(BodyId soft_body) const;   ///< m, all nodes of the finest level
+  std::span<const Point> velocities(BodyId soft_body) const;  ///< m/s
+  Pose rigid_pose(BodyId rigid_body) const;
+  /// Replaces the state of a soft body. Issue world_parameter_invalid (sizes, finiteness).
+  Status set_state(BodyId soft_body, std::span<const Point> positions, std::span<const Point> velocities);
+
+  std::vector<ContactRecord> contacts() const;  ///< of the last step; allocates
+  /// The contact problem of the last step (W, free gap, friction, forces, frames).
+  ContactProblemView contact_problem() const;
+
+ private:
+  struct State;
+  explicit World(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace souple
