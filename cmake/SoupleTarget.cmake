@@ -19,8 +19,9 @@ function(souple_target name)
   # -ffp-contract=off: the same source gives the same bits whatever the compiler fuses; products that
   # want FMA ask for it by intrinsics.
   target_compile_options(${name} PRIVATE -march=${SOUPLE_MARCH} -ffp-contract=off)
+  # -Wno-restrict: GCC 12 warns falsely inside std::string (GCC bug 105651).
   target_compile_options(${name} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor
-    $<$<COMPILE_LANGUAGE:CXX>:-Woverloaded-virtual> -Wno-psabi)
+    $<$<COMPILE_LANGUAGE:CXX>:-Woverloaded-virtual> -Wno-psabi -Wno-restrict)
   if(SOUPLE_WARNINGS_AS_ERRORS)
     target_compile_options(${name} PRIVATE -Werror)
   endif()
