@@ -16,6 +16,7 @@ class SoftBodyAsset;
 struct LoadOptions {
   /// Names of the compliance variants to load; empty: all. Others are not read.
   std::vector<std::string> compliances;
+  bool no_compliances = false;  ///< load none, for the exact contact method
 };
 
 /// Reads the finest level, material, fixed sets and the chosen compliances, and prepares the body.

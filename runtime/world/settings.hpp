@@ -43,6 +43,8 @@ struct WorldSettings {
   bool feed_forward_forces = true;  ///< last step's forces enter the free motion (METHOD 4.2)
   ContactSolverSettings contact_solver;
   FreeMotionSettings free_motion;
+  /// Fill the law and energy figures of every StepReport; not part of the times it gives.
+  bool measure_laws = true;
 };
 
 enum class RigidShapeKind : std::uint8_t { plane, sphere, box };

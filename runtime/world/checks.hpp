@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: MIT
+// What enters a world is checked and placed here. Internal to the world.
+#pragma once
+#include "formats/core/result.hpp"
+#include "runtime/world/bodies.hpp"
+#include "runtime/world/settings.hpp"
+
+namespace souple {
+
+/// All with issue world_parameter_invalid, naming the value.
+Status check_settings(const WorldSettings& settings);
+Status check_soft_body(const SoftBodyDescription& description);
+Status check_rigid_body(const RigidBodyDescription& description);
+
+/// Marks the fixed nodes; an empty name fixes none. Issue fixed_set_invalid.
+Status hold_fixed_set(SoftBody& body, const std::string& fixed_set);
+/// Chooses the compliance, or prepares the factor of the exact method, and the work space.
+/// Issue scene_no_matching_compliance, listing what the asset has.
+Status prepare_contact_method(SoftBody& body, const WorldSettings& settings, const std::string& fixed_set);
+/// Positions and velocities of the rest shape under the description's pose and rigid velocity.
+void place_soft_body(SoftBody& body, const SoftBodyDescription& description);
+
+}  // namespace souple

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/world/contact_space.hpp"
+
+#include <algorithm>
+
+namespace souple {
+
+void BodyContacts::collect(std::uint32_t index, const SoftBody& body, std::span<const Contact> contacts) {
+  touches_.clear();
+  nodes_.clear();
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    for (const auto& [side, sign] : {std::pair(&contacts[i].a, 1.0), std::pair(&contacts[i].b, -1.0)}) {
+      if (side->body != index) continue;
+      for (int k = 0; k < side->count; ++k) {
+        const Index node = side->node[std::size_t(k)];
+        if (body.is_fixed[node] || side->weight[std::size_t(k)] == 0) continue;
+        touches_.push_back({static_cast<Index>(i), node, sign * side->weight[std::size_t(k)]});
+        nodes_.push_back(node);
+      }
+    }
+  std::ranges::sort(nodes_);
+  nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
+  for (Touch& touch : touches_)
+    touch.node = static_cast<Index>(std::ranges::lower_bound(nodes_, touch.node) - nodes_.begin());
+  rows_.clear();
+  if (body.compliance)
+    for (const Index node : nodes_) rows_.push_back(body.compliance->row_of_node[node]);
+  compliance_.resize(9 * nodes_.size() * nodes_.size());
+  row_work_.resize(9 * nodes_.size());
+}
+
+bool BodyContacts::ready(const SoftBody& body) const { return body.compliance->rest->ready(rows_); }
+
+void BodyContacts::evaluate_warped(const SoftBody& body) {
+  rotations_.clear();
+  for (const Index node : nodes_) rotations_.push_back(body.node_rotations[node]);
+  body.compliance->rest->gather(rows_, compliance_);
+  for (double& value : compliance_) value *= body.compliance_scale;
+  warp_compliance(rotations_, compliance_);
+}
+
+void BodyContacts::evaluate_exact(SoftBody& body) {
+  const std::size_t size = 3 * nodes_.size();
+  const Eigen::Index unknowns = body.factor->size();
+  auto column = body.work.head(unknowns), work = body.work.segment(unknowns, unknowns);
+  const auto first_unknown = [&](Index node) {
+    return 3 * (std::ranges::lower_bound(body.free_nodes, node) - body.free_nodes.begin());
+  };
+  for (std::size_t c = 0; c < size; ++c) {
+    column.setZero();
+    column[first_unknown(nodes_[c / 3]) + Eigen::Index(c % 3)] = 1;
+    body.factor->solve(column, work);
+    for (std::size_t a = 0; a < nodes_.size(); ++a)
+      for (std::size_t k = 0; k < 3; ++k)
+        compliance_[(3 * a + k) * size + c] = column[first_unknown(nodes_[a]) + Eigen::Index(k)];
+  }
+}
+
+void BodyContacts::add_to(std::span<const Mat3> frames, std::size_t contact_count,
+                          std::span<double> delassus) {
+  add_to_delassus(touches_, frames, compliance_, contact_count, delassus, row_work_);
+}
+
+void BodyContacts::add_forces(std::span<const Mat3> frames, std::span<const double> force,
+                              Eigen::VectorXd& load) const {
+  for (const Touch& touch : touches_) {
+    const auto i = std::size_t(touch.contact);
+    const Vec3 f(force[3 * i], force[3 * i + 1], force[3 * i + 2]);
+    node_entry(load, nodes_[std::size_t(touch.node)]) += touch.weight * (frames[i] * f);
+  }
+}
+
+void BodyContacts::add_motion(std::span<const Mat3> frames, const Eigen::VectorXd& motion,
+                              std::span<double> gap) const {
+  for (const Touch& touch : touches_) {
+    const auto i = std::size_t(touch.contact);
+    Eigen::Map<Vec3>(gap.data() + 3 * i) +=
+        touch.weight * (frames[i].transpose() * node_entry(motion, nodes_[std::size_t(touch.node)]));
+  }
+}
+
+void BodyContacts::correct_warped(SoftBody& body, std::span<const Mat3> frames,
+                                  std::span<const double> force) {
+  const BodyCompliance& compliance = *body.compliance;
+  rest_force_.assign(3 * nodes_.size(), 0.0);
+  for (const Touch& touch : touches_) {
+    const auto i = std::size_t(touch.contact);
+    const Vec3 f(force[3 * i], force[3 * i + 1], force[3 * i + 2]);
+    Eigen::Map<Vec3>(rest_force_.data() + 3 * touch.node) +=
+        body.compliance_scale * touch.weight *
+        (rotations_[std::size_t(touch.node)].transpose() * (frames[i] * f));
+  }
+  rest_motion_.resize(3 * std::size_t(compliance.rest->row_count()));
+  compliance.rest->apply(rows_, rest_force_, rest_motion_);
+  body.rest_frame.setZero();
+  for (std::size_t row = 0; row < compliance.nodes.size(); ++row)
+    node_entry(body.rest_frame, compliance.nodes[row]) =
+        Eigen::Map<const Vec3>(rest_motion_.data() + 3 * row);
+  compliance.extension.apply(body.rest_frame, body.work);
+  for (Index node = 0; node < body.asset->model().node_count(); ++node)
+    node_entry(body.motion, node).noalias() += body.node_rotations[node] * node_entry(body.rest_frame, node);
+}
+
+void BodyContacts::correct_exact(SoftBody& body, std::span<const Mat3> frames,
+                                 std::span<const double> force) const {
+  body.rest_frame.setZero();
+  add_forces(frames, force, body.rest_frame);
+  const Eigen::Index unknowns = body.factor->size();
+  auto column = body.work.head(unknowns);
+  for (std::size_t k = 0; k < body.free_nodes.size(); ++k)
+    column.segment<3>(3 * Eigen::Index(k)) = node_entry(body.rest_frame, body.free_nodes[k]);
+  body.factor->solve(column, body.work.segment(unknowns, unknowns));
+  for (std::size_t k = 0; k < body.free_nodes.size(); ++k)
+    node_entry(body.motion, body.free_nodes[k]) += column.segment<3>(3 * Eigen::Index(k));
+}
+
+}  // namespace souple

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include <vector>
+
+#include "runtime/contact/contact.hpp"
+#include "runtime/contact/delassus_operator.hpp"
+#include "runtime/world/bodies.hpp"
+
+namespace souple {
+
+/// The contacts of a step as one soft body sees them: which of its nodes touch, with what weight, and
+/// the compliance between them. Keeps its memory from step to step.
+class BodyContacts {
+ public:
+  /// Collects the movable nodes of body `index` from `contacts`.
+  void collect(std::uint32_t index, const SoftBody& body, std::span<const Contact> contacts);
+  bool empty() const { return touches_.empty(); }
+
+  /// Whether the compliance blocks of these nodes are in memory.
+  bool ready(const SoftBody& body) const;
+  /// C on the contact nodes in world coordinates: warped from the rest shape (METHOD 4.2) ...
+  void evaluate_warped(const SoftBody& body);
+  /// ... or columns of the inverse of the present tangent, which has been factorised (eq. 4.16).
+  void evaluate_exact(SoftBody& body);
+  void add_to(std::span<const Mat3> frames, std::size_t contact_count, std::span<double> delassus);
+
+  /// load += H^T f, f in contact frames (3 per contact).
+  void add_forces(std::span<const Mat3> frames, std::span<const double> force, Eigen::VectorXd& load) const;
+  /// gap += H dx.
+  void add_motion(std::span<const Mat3> frames, const Eigen::VectorXd& motion, std::span<double> gap) const;
+  /// motion += C H^T f with the same compliance that W was built from, on all nodes.
+  void correct_warped(SoftBody& body, std::span<const Mat3> frames, std::span<const double> force);
+  void correct_exact(SoftBody& body, std::span<const Mat3> frames, std::span<const double> force) const;
+
+ private:
+  std::vector<Touch> touches_;
+  std::vector<Index> nodes_, rows_;
+  std::vector<Mat3> rotations_;
+  std::vector<double> compliance_, row_work_, rest_force_, rest_motion_;
+};
+
+}  // namespace souple

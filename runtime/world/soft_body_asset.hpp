@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "formats/core/asset.hpp"
+#include "formats/core/result.hpp"
+#include "runtime/collision/surface_tree.hpp"
+#include "runtime/compliance/rest_compliance.hpp"
+#include "runtime/compliance/rest_extension.hpp"
+#include "runtime/fem/corotational_model.hpp"
+
+namespace souple {
+
+/// One compliance of a body, ready for use.
+struct BodyCompliance {
+  ComplianceHeader header;
+  std::vector<Index> nodes;        ///< mesh node of every row
+  std::vector<Index> row_of_node;  ///< row of every mesh node, -1: not held
+  std::unique_ptr<const RestCompliance> rest;
+  RestExtension extension;
+};
+
+/// What a body is made from. Blocks come through a BlockSource, so that this does not know files.
+struct SoftBodyContent {
+  MeshLevel level;  ///< the one that is simulated
+  Material material;
+  std::vector<FixedSet> fixed_sets;
+  struct Variant {
+    ComplianceHeader header;
+    std::vector<Index> nodes;
+    std::unique_ptr<BlockSource> source;
+  };
+  std::vector<Variant> compliances;
+};
+
+/// A baked body in memory: const, shared by any number of instances.
+class SoftBodyAsset {
+ public:
+  /// Issues: mesh_element_invalid, material_out_of_range, fixed_set_invalid, asset_corrupt,
+  /// compliance_factorisation_failed.
+  static Result<std::shared_ptr<const SoftBodyAsset>> create(SoftBodyContent content);
+
+  const CorotationalModel& model() const { return model_; }
+  const SurfaceTree& surface() const { return surface_; }
+  std::span<const FixedSet> fixed_sets() const { return fixed_sets_; }
+  const FixedSet* find_fixed_set(const std::string& name) const;
+  std::span<const BodyCompliance> compliances() const { return compliances_; }
+  /// The compliance of A0 = mass_factor M + stiffness_factor K with this fixed set, up to a factor
+  /// (METHOD 4.2: the ratio of the factors is the key); nullptr if there is none.
+  const BodyCompliance* find_compliance(double mass_factor, double stiffness_factor,
+                                        const std::string& fixed_set) const;
+  double longest_side_m() const { return longest_side_; }
+  std::size_t resident_bytes() const;
+
+ private:
+  explicit SoftBodyAsset(CorotationalModel model) : model_(std::move(model)) {}
+  Status add_compliance(SoftBodyContent::Variant variant);
+
+  CorotationalModel model_;
+  SurfaceTree surface_;
+  std::vector<FixedSet> fixed_sets_;
+  std::vector<BodyCompliance> compliances_;
+  double longest_side_ = 0;
+};
+
+}  // namespace souple

@@ -1,0 +1,372 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/world/world.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <variant>
+
+#include "runtime/contact/frictional_contact.hpp"
+#include "runtime/world/checks.hpp"
+#include "runtime/world/contact_detection.hpp"
+#include "runtime/world/contact_space.hpp"
+
+namespace souple {
+namespace {
+
+static_assert(sizeof(Point) == 3 * sizeof(double));
+
+// Share of the body's longest side that the automatic alarm distance adds to what a step can travel.
+constexpr double alarm_share = 0.01;
+
+class PhaseClock {
+ public:
+  /// Seconds since the last call.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+std::span<const Point> as_points(const Eigen::VectorXd& v) {
+  return {reinterpret_cast<const Point*>(v.data()), std::size_t(v.size()) / 3};
+}
+
+}  // namespace
+
+struct World::State {
+  using Body = std::variant<SoftBody, RigidBody>;
+
+  explicit State(const WorldSettings& s) : settings(s), gravity(as_vec3(s.gravity_m_s2)) {}
+
+  WorldSettings settings;
+  Vec3 gravity;
+  double time = 0;
+  std::vector<std::unique_ptr<Body>> bodies;
+  std::vector<std::uint32_t> soft_indices, rigid_indices;
+
+  // One step; memory kept from step to step.
+  std::vector<RigidStep> rigid_steps;  ///< by body index; soft ones unused
+  std::vector<Contact> contacts;
+  std::vector<Mat3> frames;
+  std::vector<BodyContacts> body_contacts;  ///< by body index; rigid ones unused
+  std::vector<double> delassus, free_gap, friction, force, gap, applied, change;
+  // The contacts of the last step, ascending by key, and their forces on body A in world coordinates.
+  std::vector<ContactKey> last_keys;
+  std::vector<Vec3> last_forces;
+
+  SoftBody& soft(std::uint32_t index) { return std::get<SoftBody>(*bodies[index]); }
+  const SoftBody& soft(std::uint32_t index) const { return std::get<SoftBody>(*bodies[index]); }
+  const RigidBody& rigid(std::uint32_t index) const { return std::get<RigidBody>(*bodies[index]); }
+  bool exact() const { return settings.contact_method == ContactMethod::exact; }
+  FrictionalContactProblem problem() const { return {contacts.size(), delassus, free_gap, friction}; }
+
+  void place_rigid_bodies();
+  double alarm_distance(const SoftBody& soft_body, double other_speed) const;
+  double rigid_speed(const RigidStep& step, const SoftBody& soft_body) const;
+  void detect();
+  void recall_forces();
+  void free_motion(StepReport& report);
+  Status build_problem();
+  void correct();
+  Status commit();
+  void measure(StepReport& report);
+};
+
+void World::State::place_rigid_bodies() {
+  for (const auto index : rigid_indices)
+    rigid_steps[index] = {&rigid(index), placement(rigid(index).pose_at(time)),
+                          placement(rigid(index).pose_at(time + settings.time_step_s))};
+}
+
+// Below this gap two bodies may meet within the step.
+double World::State::alarm_distance(const SoftBody& soft_body, double other_speed) const {
+  if (settings.alarm_distance_m > 0) return settings.alarm_distance_m;
+  const double h = settings.time_step_s;
+  return alarm_share * soft_body.asset->longest_side_m() + gravity.norm() * h * h +
+         2 * h * (soft_body.largest_speed() + other_speed);
+}
+
+double World::State::rigid_speed(const RigidStep& step, const SoftBody& soft_body) const {
+  Eigen::AlignedBox3d box;
+  for (const Index node : soft_body.asset->surface().nodes()) box.extend(Vec3(node_entry(soft_body.x, node)));
+  double motion = 0;
+  for (int k = 0; k < 8; ++k)
+    motion = std::max(motion, step.motion_of(box.corner(Eigen::AlignedBox3d::CornerType(k))).norm());
+  return motion / settings.time_step_s;
+}
+
+void World::State::detect() {
+  contacts.clear();
+  if (soft_indices.size() > 1)
+    for (const auto index : soft_indices) soft(index).surface.refit(soft(index).x);
+  for (const auto a : soft_indices) {
+    for (const auto b : rigid_indices) {
+      const double speed = rigid_speed(rigid_steps[b], soft(a));
+      detect_soft_rigid(a, soft(a), b, rigid_steps[b], {alarm_distance(soft(a), speed), settings.friction},
+                        contacts);
+    }
+    for (const auto b : soft_indices)
+      if (a != b)
+        detect_soft_soft(a, soft(a), b, soft(b),
+                         {alarm_distance(soft(a), soft(b).largest_speed()), settings.friction}, contacts);
+  }
+  std::ranges::sort(contacts, {}, &Contact::key);
+  frames.clear();
+  friction.clear();
+  for (const Contact& contact : contacts) {
+    frames.push_back(contact.frame);
+    friction.push_back(contact.friction);
+  }
+  for (const auto index : soft_indices) body_contacts[index].collect(index, soft(index), contacts);
+}
+
+// Forces of the contacts that persist, in their new frames: where the solver starts, and what the free
+// motion already knows.
+void World::State::recall_forces() {
+  force.assign(3 * contacts.size(), 0.0);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const auto found = std::ranges::lower_bound(last_keys, contacts[i].key);
+    if (found == last_keys.end() || *found != contacts[i].key) continue;
+    Eigen::Map<Vec3>(force.data() + 3 * i) =
+        frames[i].transpose() * last_forces[std::size_t(found - last_keys.begin())];
+  }
+  applied.assign(force.size(), 0.0);
+  if (settings.feed_forward_forces) applied = force;
+}
+
+void World::State::free_motion(StepReport& report) {
+  for (const auto index : soft_indices) {
+    SoftBody& body = soft(index);
+    body.prepare_free_motion(settings.time_step_s, gravity);
+    body_contacts[index].add_forces(frames, applied, body.load);
+    const auto solved = body.solve_free_motion(settings.time_step_s, settings.free_motion);
+    report.free_motion_iterations += solved.iterations;
+    report.free_motion_residual = std::max(report.free_motion_residual, solved.relative_residual);
+  }
+}
+
+// W, and the gap that no contact force would leave: q = gap + H dx_free - W f_applied.
+Status World::State::build_problem() {
+  const std::size_t size = 3 * contacts.size();
+  delassus.assign(size * size, 0.0);
+  free_gap.assign(size, 0.0);
+  gap.resize(size);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    Eigen::Map<Vec3> g(free_gap.data() + 3 * i);
+    g = -(frames[i].transpose() * contacts[i].driven_motion);
+    g[0] += contacts[i].gap;
+  }
+  for (const auto index : soft_indices) {
+    BodyContacts& body = body_contacts[index];
+    if (body.empty()) continue;
+    if (exact()) {
+      if (!soft(index).factor->factorize(soft(index).tangent))
+        return make_issue(IssueCode::step_not_finite, "the tangent is not positive definite",
+                          soft(index).name);
+      body.evaluate_exact(soft(index));
+    } else {
+      if (!body.ready(soft(index)))
+        return make_issue(IssueCode::step_not_finite, "compliance blocks of the contacts are not loaded",
+                          soft(index).name);
+      body.evaluate_warped(soft(index));
+    }
+    body.add_to(frames, contacts.size(), delassus);
+    body.add_motion(frames, soft(index).motion, free_gap);
+  }
+  mirror_delassus(contacts.size(), delassus);
+  for (std::size_t k = 0; k < size; ++k) {
+    if (applied[k] == 0) continue;
+    for (std::size_t row = 0; row < size; ++row) free_gap[row] -= applied[k] * delassus[k * size + row];
+  }
+  return {};
+}
+
+void World::State::correct() {
+  change.resize(force.size());
+  for (std::size_t k = 0; k < force.size(); ++k) change[k] = force[k] - applied[k];
+  for (const auto index : soft_indices) {
+    BodyContacts& body = body_contacts[index];
+    if (body.empty()) continue;
+    if (exact())
+      body.correct_exact(soft(index), frames, change);
+    else
+      body.correct_warped(soft(index), frames, change);
+  }
+}
+
+// Takes over the motion only if all of it is finite.
+Status World::State::commit() {
+  for (const auto index : soft_indices)
+    if (!soft(index).motion.allFinite())
+      return make_issue(IssueCode::step_not_finite, "the motion of a step is not finite", soft(index).name);
+  for (const auto index : soft_indices) {
+    SoftBody& body = soft(index);
+    body.x += body.motion;
+    body.v = body.motion / settings.time_step_s;
+  }
+  last_keys.clear();
+  last_forces.clear();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    last_keys.push_back(contacts[i].key);
+    last_forces.push_back(frames[i] * Eigen::Map<const Vec3>(force.data() + 3 * i));
+  }
+  time += settings.time_step_s;
+  return {};
+}
+
+void World::State::measure(StepReport& report) {
+  report.contact_residual = contacts.empty() ? 0 : natural_map_residual(problem(), force);
+  report.cone_violation = cone_violation(friction, force);
+  for (const auto index : soft_indices) {
+    SoftBody& body = soft(index);
+    report.kinetic_energy_j += body.kinetic_energy();
+    report.elastic_energy_j += body.elastic_energy();
+    report.potential_energy_j += body.potential_energy(gravity);
+    for (const auto other : rigid_indices) {
+      const RigidStep& step = rigid_steps[other];
+      report.worst_penetration_m =
+          std::max(report.worst_penetration_m, node_depth(body, step.body->shape, step.end));
+      report.worst_surface_depth_m =
+          std::max(report.worst_surface_depth_m, surface_depth(body, step.body->shape, step.end));
+    }
+  }
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    if (contacts[i].b.count > 0) report.worst_penetration_m = std::max(report.worst_penetration_m, -gap[3 * i]);
+  report.worst_surface_depth_m = std::max(report.worst_surface_depth_m, report.worst_penetration_m);
+}
+
+World::World(std::unique_ptr<State> state) : state_(std::move(state)) {}
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+World::~World() = default;
+
+Result<World> World::create(const WorldSettings& settings) {
+  if (auto status = check_settings(settings); !status) return status.issue();
+  return World(std::make_unique<State>(settings));
+}
+
+Result<BodyId> World::add_soft_body(std::shared_ptr<const SoftBodyAsset> asset,
+                                    const SoftBodyDescription& description) {
+  if (auto status = check_soft_body(description); !status) return status.issue();
+  State& s = *state_;
+  SoftBody body(std::move(asset), description.name);
+  if (auto status = hold_fixed_set(body, description.fixed_set); !status) return status.issue();
+  if (auto status = prepare_contact_method(body, s.settings, description.fixed_set); !status)
+    return status.issue();
+  place_soft_body(body, description);
+  const auto index = static_cast<std::uint32_t>(s.bodies.size());
+  s.bodies.push_back(std::make_unique<State::Body>(std::move(body)));
+  s.soft_indices.push_back(index);
+  s.body_contacts.resize(s.bodies.size());
+  s.rigid_steps.resize(s.bodies.size());
+  return BodyId{index};
+}
+
+Result<BodyId> World::add_rigid_body(const RigidBodyDescription& description) {
+  if (auto status = check_rigid_body(description); !status) return status.issue();
+  State& s = *state_;
+  const auto index = static_cast<std::uint32_t>(s.bodies.size());
+  s.bodies.push_back(std::make_unique<State::Body>(
+      RigidBody{description.name, description.shape, description.path}));
+  s.rigid_indices.push_back(index);
+  s.body_contacts.resize(s.bodies.size());
+  s.rigid_steps.resize(s.bodies.size());
+  return BodyId{index};
+}
+
+Result<StepReport> World::step() {
+  State& s = *state_;
+  StepReport report;
+  PhaseClock clock;
+  s.place_rigid_bodies();
+  s.detect();
+  report.times.collision_s = clock.lap();
+  s.recall_forces();
+  s.free_motion(report);
+  report.times.free_motion_s = clock.lap();
+  if (!s.contacts.empty()) {
+    if (auto status = s.build_problem(); !status) return status.issue();
+    report.times.compliance_s = clock.lap();
+    report.contact_sweeps =
+        solve_frictional_contact(s.problem(), s.settings.contact_solver, s.force, s.gap).sweeps;
+    report.times.contact_solve_s = clock.lap();
+    s.correct();
+    report.times.correction_s = clock.lap();
+  }
+  if (auto status = s.commit(); !status) return status.issue();
+  const PhaseTimes& t = report.times;
+  report.times.total_s = t.free_motion_s + t.collision_s + t.compliance_s + t.contact_solve_s +
+                         t.correction_s + clock.lap();
+  report.contact_count = s.contacts.size();
+  for (std::size_t i = 0; i < s.contacts.size(); ++i) report.active_count += s.force[3 * i] > 0;
+  if (s.settings.measure_laws) s.measure(report);
+  return report;
+}
+
+double World::time_s() const { return state_->time; }
+std::size_t World::body_count() const { return state_->bodies.size(); }
+
+const std::string& World::body_name(BodyId body) const {
+  return std::visit([](const auto& b) -> const std::string& { return b.name; },
+                    *state_->bodies[body.index]);
+}
+
+bool World::is_soft(BodyId body) const {
+  return std::holds_alternative<SoftBody>(*state_->bodies[body.index]);
+}
+
+const SoftBodyAsset& World::asset(BodyId soft_body) const { return *state_->soft(soft_body.index).asset; }
+
+std::span<const Point> World::positions(BodyId soft_body) const {
+  return as_points(state_->soft(soft_body.index).x);
+}
+
+std::span<const Point> World::velocities(BodyId soft_body) const {
+  return as_points(state_->soft(soft_body.index).v);
+}
+
+Pose World::rigid_pose(BodyId rigid_body) const {
+  return state_->rigid(rigid_body.index).pose_at(state_->time);
+}
+
+Status World::set_state(BodyId soft_body, std::span<const Point> positions,
+                        std::span<const Point> velocities) {
+  SoftBody& body = state_->soft(soft_body.index);
+  const auto count = std::size_t(body.asset->model().node_count());
+  if (positions.size() != count || velocities.size() != count)
+    return make_issue(IssueCode::world_parameter_invalid, "a state needs one entry per node", body.name);
+  for (const auto* points : {&positions, &velocities})
+    for (const Point& p : *points)
+      if (!as_vec3(p).allFinite())
+        return make_issue(IssueCode::world_parameter_invalid, "a state that is not finite", body.name);
+  for (std::size_t k = 0; k < count; ++k) {
+    node_entry(body.x, Index(k)) = as_vec3(positions[k]);
+    node_entry(body.v, Index(k)) = as_vec3(velocities[k]);
+  }
+  return {};
+}
+
+std::vector<ContactRecord> World::contacts() const {
+  const State& s = *state_;
+  std::vector<ContactRecord> records;
+  for (std::size_t i = 0; i < s.contacts.size(); ++i) {
+    const Contact& c = s.contacts[i];
+    const Vec3 f = s.frames[i] * Eigen::Map<const Vec3>(s.force.data() + 3 * i);
+    records.push_back({{c.a.body}, {c.b.body}, as_point(c.point), as_point(c.frame.col(0)), as_point(f),
+                       s.gap[3 * i]});
+  }
+  return records;
+}
+
+ContactProblemView World::contact_problem() const {
+  const State& s = *state_;
+  return {s.contacts, s.delassus, s.free_gap, s.friction, s.force};
+}
+
+}  // namespace souple
