@@ -71,7 +71,7 @@ struct World::State {
   double rigid_speed(const RigidStep& step, const SoftBody& soft_body) const;
   void detect();
   void recall_forces();
-  void free_motion(StepReport& report);
+  Status free_motion(StepReport& report);
   Status build_problem();
   void correct();
   Status commit();
@@ -140,15 +140,18 @@ void World::State::recall_forces() {
   if (settings.feed_forward_forces) applied = force;
 }
 
-void World::State::free_motion(StepReport& report) {
+Status World::State::free_motion(StepReport& report) {
   for (const auto index : soft_indices) {
     SoftBody& body = soft(index);
     body.prepare_free_motion(settings.time_step_s, gravity);
     body_contacts[index].add_forces(frames, applied, body.load);
+    if (!std::isfinite(body.load.norm()))
+      return make_issue(IssueCode::step_not_finite, "the forces of a step are not finite", body.name);
     const auto solved = body.solve_free_motion(settings.time_step_s, settings.free_motion);
     report.free_motion_iterations += solved.iterations;
     report.free_motion_residual = std::max(report.free_motion_residual, solved.relative_residual);
   }
+  return {};
 }
 
 // W, and the gap that no contact force would leave: q = gap + H dx_free - W f_applied.
@@ -288,7 +291,7 @@ Result<StepReport> World::step() {
   s.detect();
   report.times.collision_s = clock.lap();
   s.recall_forces();
-  s.free_motion(report);
+  if (auto status = s.free_motion(report); !status) return status.issue();
   report.times.free_motion_s = clock.lap();
   if (!s.contacts.empty()) {
     if (auto status = s.build_problem(); !status) return status.issue();
