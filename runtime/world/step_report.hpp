@@ -17,7 +17,7 @@ struct PhaseTimes {
 /// What one step did and how well the laws are met, measured outside the solvers after the step.
 struct StepReport {
   PhaseTimes times;
-  std::size_t contact_count = 0;     ///< pairs below the alarm distance
+  std::size_t contact_count = 0;     ///< pairs that entered the contact problem
   std::size_t active_count = 0;      ///< of these, carrying force
   int contact_sweeps = 0;
   double contact_residual = 0;       ///< natural map, rho_i = 1 / mean eigenvalue of W_ii, over ||f||

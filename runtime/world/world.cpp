@@ -70,8 +70,11 @@ struct World::State {
   double alarm_distance(const SoftBody& soft_body, double other_speed) const;
   double rigid_speed(const RigidStep& step, const SoftBody& soft_body) const;
   void detect();
+  void describe_contacts();
   void recall_forces();
   Status free_motion(StepReport& report);
+  double normal_motion(std::size_t contact) const;
+  void discard_distant();
   Status build_problem();
   void correct();
   Status commit();
@@ -117,6 +120,11 @@ void World::State::detect() {
                          {alarm_distance(soft(a), soft(b).largest_speed()), settings.friction}, contacts);
   }
   std::ranges::sort(contacts, {}, &Contact::key);
+  describe_contacts();
+}
+
+// What follows from the list of contacts.
+void World::State::describe_contacts() {
   frames.clear();
   friction.clear();
   for (const Contact& contact : contacts) {
@@ -152,6 +160,41 @@ Status World::State::free_motion(StepReport& report) {
     report.free_motion_residual = std::max(report.free_motion_residual, solved.relative_residual);
   }
   return {};
+}
+
+// How far a contact opens along its normal in the free motion, m.
+double World::State::normal_motion(std::size_t contact) const {
+  const Contact& c = contacts[contact];
+  Vec3 motion = -c.driven_motion;
+  for (const auto& [side, sign] : {std::pair(&c.a, 1.0), std::pair(&c.b, -1.0)})
+    for (std::size_t k = 0; k < std::size_t(side->count); ++k)
+      motion += sign * side->weight[k] * node_entry(soft(side->body).motion, side->node[k]);
+  return c.frame.col(0).dot(motion);
+}
+
+// The alarm distance covers whatever a step may bring; after the free motion most of those contacts are
+// known to stay apart. Kept are those that carry force, and those that end near enough to be pushed
+// together by the others.
+void World::State::discard_distant() {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const double margin = settings.alarm_distance_m > 0
+                              ? settings.alarm_distance_m
+                              : alarm_share * soft(contacts[i].a.body).asset->longest_side_m();
+    const Eigen::Map<const Vec3> carried(force.data() + 3 * i);
+    if (carried.isZero(0) && contacts[i].gap + normal_motion(i) > margin) continue;
+    contacts[kept] = contacts[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      force[3 * kept + k] = force[3 * i + k];
+      applied[3 * kept + k] = applied[3 * i + k];
+    }
+    ++kept;
+  }
+  if (kept == contacts.size()) return;
+  contacts.erase(contacts.begin() + std::ptrdiff_t(kept), contacts.end());
+  force.resize(3 * kept);
+  applied.resize(3 * kept);
+  describe_contacts();
 }
 
 // W, and the gap that no contact force would leave: q = gap + H dx_free - W f_applied.
@@ -292,6 +335,7 @@ Result<StepReport> World::step() {
   report.times.collision_s = clock.lap();
   s.recall_forces();
   if (auto status = s.free_motion(report); !status) return status.issue();
+  s.discard_distant();
   report.times.free_motion_s = clock.lap();
   if (!s.contacts.empty()) {
     if (auto status = s.build_problem(); !status) return status.issue();
