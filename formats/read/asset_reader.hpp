@@ -14,15 +14,26 @@
 
 namespace souple {
 
+namespace storage {
+class ByteDevice;
+}
+
 /// What one group of the file costs.
 struct GroupCost {
-  std::string path;               ///< "mesh/levels/1", "compliance/default"
-  std::uint64_t stored_bytes = 0; ///< in the file, compressed
-  std::uint64_t raw_bytes = 0;    ///< decoded
+  std::string path;                ///< "mesh/levels/1", "compliance/default"
+  std::uint64_t stored_bytes = 0;  ///< in the file, compressed
+  std::uint64_t raw_bytes = 0;     ///< decoded
+};
+
+struct LevelSizes {
+  std::uint64_t node_count = 0;
+  std::uint64_t tet_count = 0;
+  std::uint64_t boundary_triangle_count = 0;
 };
 
 /// An opened asset. Movable; closes the file when destroyed. Not for real-time threads; one thread at a
-/// time. Every length, index, rank, type and value is checked before it is used or allocated for.
+/// time (several readers in several threads share one lock inside). Names are listed in ascending
+/// order. Every length, index, rank, type and value is checked before it is used or allocated for.
 class AssetReader {
  public:
   /// Issues: io_file_missing, io_cannot_read, asset_not_an_asset, asset_corrupt, unsupported_version.
@@ -41,6 +52,7 @@ class AssetReader {
 
   std::size_t level_count() const;
   Result<MeshLevel> read_level(std::size_t level);
+  Result<LevelSizes> read_level_sizes(std::size_t level);  ///< headers only, no bulk data
   Result<Material> read_material();
   const std::vector<std::string>& fixed_set_names() const;
   Result<FixedSet> read_fixed_set(const std::string& name);
@@ -55,6 +67,8 @@ class AssetReader {
  private:
   struct State;
   explicit AssetReader(std::unique_ptr<State> state);
+  static Result<AssetReader> open_device(std::unique_ptr<storage::ByteDevice> device,
+                                         const std::string& where);
   std::unique_ptr<State> state_;
 };
 

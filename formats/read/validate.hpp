@@ -11,9 +11,9 @@
 namespace souple {
 
 struct ValidationReport {
-  std::vector<Issue> issues;          ///< at most the cap, in order of discovery
-  std::size_t suppressed_count = 0;   ///< issues past the cap
-  bool valid() const;                 ///< no issue of severity error
+  std::vector<Issue> issues;         ///< at most the cap, in order of discovery
+  std::size_t suppressed_count = 0;  ///< issues past the cap
+  bool valid() const;                ///< no issue of severity error
 };
 
 struct ValidationOptions {

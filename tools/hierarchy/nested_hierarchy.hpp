@@ -17,9 +17,10 @@ struct NestedLevelReport {
   std::size_t node_count = 0;
   std::size_t tet_count = 0;
   double min_dihedral_deg = 0;
-  double hausdorff_m = 0;         ///< largest distance of a boundary node from the target surface
-  double rms_distance_m = 0;      ///< root mean square of the same
-  std::size_t held_back_count = 0;  ///< boundary nodes moved only part of the way, to keep tets positive
+  double hausdorff_m = 0;     ///< largest distance of a boundary node from the target surface
+  double rms_distance_m = 0;  ///< root mean square of the same
+  std::size_t held_back_count =
+      0;  ///< boundary nodes moved only part of the way, to keep tets positive
 };
 
 struct NestedHierarchy {

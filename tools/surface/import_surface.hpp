@@ -18,15 +18,15 @@ struct ImportOptions {
 };
 
 struct ImportReport {
-  std::string format;                  ///< "obj", "off", "ply", "stl", "gltf", "fbx", "collada", "3ds"
+  std::string format;  ///< "obj", "off", "ply", "stl", "gltf", "fbx", "collada", "3ds"
   std::size_t file_bytes = 0;
-  std::string file_hash;               ///< hex of the file's bytes (XXH3, 128 bits)
-  std::size_t raw_vertex_count = 0;    ///< before merging
-  std::size_t merged_vertex_count = 0; ///< duplicates removed by exact position
+  std::string file_hash;                ///< hex of the file's bytes (XXH3, 128 bits)
+  std::size_t raw_vertex_count = 0;     ///< before merging
+  std::size_t merged_vertex_count = 0;  ///< duplicates removed by exact position
   std::size_t raw_polygon_count = 0;
   std::size_t dropped_triangle_count = 0;  ///< degenerate (zero area or repeated vertex) or duplicate
-  double scale = 1;                    ///< metres per unit of the file, target size included
-  Point box_min{}, box_max{};          ///< metres, after scaling
+  double scale = 1;                        ///< metres per unit of the file, target size included
+  Point box_min{}, box_max{};              ///< metres, after scaling
 };
 
 struct ImportedSurface {
@@ -36,7 +36,8 @@ struct ImportedSurface {
 
 /// Reads OBJ, OFF, PLY, STL (double, CGAL) and glTF/GLB, FBX, Collada, 3DS (assimp) in a child process
 /// with a time and memory limit. Refuses with a coded issue: missing or unreadable file, unknown or
-/// malformed format, non-finite or huge coordinates, indices out of range, no triangles, limits reached.
+/// malformed format, non-finite or huge coordinates, indices out of range, no triangles, limits
+/// reached.
 Result<ImportedSurface> import_surface(const std::filesystem::path& file, const ImportOptions& options);
 
 }  // namespace souple

@@ -14,8 +14,8 @@ struct TetrahedralizeOptions {
 
 struct TetQuality {
   double min_dihedral_deg = 0;
-  double median_dihedral_deg = 0;   ///< median over tets of the smallest dihedral angle
-  double worst_radius_ratio = 0;    ///< 3 r_in / r_circ: 1 for the regular tet, 0 for a flat one
+  double median_dihedral_deg = 0;  ///< median over tets of the smallest dihedral angle
+  double worst_radius_ratio = 0;   ///< 3 r_in / r_circ: 1 for the regular tet, 0 for a flat one
   double volume_m3 = 0;
 };
 

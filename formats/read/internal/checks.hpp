@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+// The checks of an asset's content, part by part. The reader runs those that make a part safe to use,
+// validation runs all.
+#pragma once
+#include <cstddef>
+#include <string>
+
+#include "formats/core/asset.hpp"
+#include "formats/read/internal/issue_list.hpp"
+
+namespace souple::checks {
+
+/// Finite coordinates within the limit; indices of tets, boundary and parents in range.
+/// `coarse_node_count` is 0 for level 0.
+void check_level_indices(const MeshLevel& level, std::size_t coarse_node_count,
+                         const std::string& where, IssueList& issues);
+/// Orientation, boundary, unused nodes. Needs indices in range.
+void check_level_shape(const MeshLevel& level, const std::string& where, IssueList& issues);
+/// Parents against the edges of the coarser level. Needs indices in range.
+void check_hierarchy(const MeshLevel& coarse, const MeshLevel& fine, const std::string& where,
+                     IssueList& issues);
+
+/// Numbers in range, regions of tets known; `tet_count` of the finest level.
+void check_material(const Material& material, std::size_t tet_count, const std::string& where,
+                    IssueList& issues);
+
+/// Sorted, unique, in range, not empty, not all; `node_count` of the finest level.
+void check_fixed_set(const FixedSet& set, std::size_t node_count, const std::string& where,
+                     IssueList& issues);
+
+/// The header in itself: counts fit each other and the representation, numbers finite.
+void check_compliance_header(const ComplianceHeader& header, const std::string& where,
+                             IssueList& issues);
+/// Header, nodes and payload together; `node_count` of the finest level.
+void check_compliance(const ComplianceVariant& variant, std::size_t node_count,
+                      const std::string& where, IssueList& issues);
+/// The variant against the damping and the fixed sets of its asset.
+void check_compliance_context(const ComplianceVariant& variant, const Asset& asset,
+                              const std::string& where, IssueList& issues);
+
+/// Names unique and valid, texts storable.
+void check_names(const Asset& asset, IssueList& issues);
+
+}  // namespace souple::checks

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Names in the file, in one place for reader and writer. Version 1.0.
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "formats/core/asset.hpp"
+
+namespace souple::layout {
+
+inline constexpr const char* format_name = "souple";
+
+// Root attributes.
+inline constexpr const char* format = "format";
+inline constexpr const char* version_major = "version_major";
+inline constexpr const char* version_minor = "version_minor";
+inline constexpr const char* generator = "generator";
+inline constexpr const char* recipe = "recipe";
+inline constexpr const char* input_name = "input_name";
+inline constexpr const char* input_hash = "input_hash";
+inline constexpr const char* content_hash = "content_hash";
+
+// mesh/levels/<l>
+inline constexpr const char* mesh = "mesh";
+inline constexpr const char* levels = "levels";
+inline constexpr const char* nodes = "nodes";  // [m, 3] float64, metres; lists elsewhere [n] int32
+inline constexpr const char* tets = "tets";    // [t, 4] int32
+inline constexpr const char* boundary = "boundary";  // [b, 3] int32
+inline constexpr const char* parents = "parents";    // [m, 2] int32, not at level 0
+
+// material
+inline constexpr const char* material = "material";
+inline constexpr const char* rayleigh_mass = "rayleigh_mass_per_s";
+inline constexpr const char* rayleigh_stiffness = "rayleigh_stiffness_s";
+inline constexpr const char* region_names = "region_names";  // [r] fixed-length text
+inline constexpr const char* young = "young_pa";             // [r] float64
+inline constexpr const char* poisson = "poisson";            // [r] float64
+inline constexpr const char* density = "density_kg_m3";      // [r] float64
+inline constexpr const char* tet_region = "tet_region";      // [t] int32; absent: all in region 0
+
+// constraints/<name>: nodes
+inline constexpr const char* constraints = "constraints";
+
+// compliance/<name>: nodes, payload [block, scalar], and these attributes
+inline constexpr const char* compliance = "compliance";
+inline constexpr const char* payload = "payload";
+inline constexpr const char* kind = "kind";
+inline constexpr const char* time_step = "time_step_s";
+inline constexpr const char* fixed_set = "fixed_set";
+inline constexpr const char* mass_factor = "mass_factor";
+inline constexpr const char* stiffness_factor = "stiffness_factor";
+inline constexpr const char* tolerance_asked = "tolerance_asked";
+inline constexpr const char* solve_residual = "error_solve_residual";
+inline constexpr const char* scaled_spectral = "error_scaled_spectral";
+inline constexpr const char* frobenius = "error_frobenius";
+inline constexpr const char* worst_column = "error_worst_column";
+inline constexpr const char* representation = "representation";
+inline constexpr const char* scalar = "scalar";
+inline constexpr const char* node_count = "node_count";
+inline constexpr const char* tile_nodes = "tile_nodes";
+inline constexpr const char* block_count = "block_count";
+inline constexpr const char* block_scalars = "block_scalars";
+
+// Texts of the enumerations, by their value.
+inline constexpr std::array<std::string_view, 2> kinds{"dynamic", "static"};
+inline constexpr std::array<std::string_view, 1> representations{"dense-tiled"};
+inline constexpr std::array<std::string_view, 2> scalars{"float32", "float64"};
+
+inline constexpr std::uint64_t smallest_chunk_bytes = 64 << 10;  // smaller pieces are put together
+inline constexpr std::uint64_t largest_chunk_bytes = 1 << 20;
+
+constexpr std::size_t bytes_of(ScalarType type) { return type == ScalarType::float32 ? 4 : 8; }
+
+}  // namespace souple::layout

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/bench/liver.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "formats/write/asset_writer.hpp"
+#include "runtime/load/load_soft_body.hpp"
+
+namespace souple::bench {
+namespace {
+
+class SilentProgress final : public ProgressSink {
+ public:
+  void stage(std::string_view) override {}
+  void fraction(double) override {}
+};
+
+std::filesystem::path data_folder() {
+  const char* folder = std::getenv("SOUPLE_DATA_DIR");
+  return folder ? folder : SOUPLE_DEFAULT_DATA_DIR;
+}
+
+}  // namespace
+
+void exit_with(const Issue& issue) {
+  std::fprintf(stderr, "%s\n", format_issue(issue).c_str());
+  std::exit(exit_code(issue.code));
+}
+
+Recipe liver_recipe(std::int64_t tets, std::int64_t levels) {
+  Recipe recipe;
+  recipe.surface.file = data_folder() / "surfaces" / "liver-smooth.obj";
+  recipe.surface.size_m = 0.2;
+  recipe.mesh.tets = tets;
+  recipe.mesh.levels = levels;
+  return recipe;
+}
+
+BakeOutcome bake_or_exit(const Recipe& recipe) {
+  SilentProgress silent;
+  return value_or_exit(bake_asset(recipe, "souple bench", silent));
+}
+
+std::shared_ptr<const SoftBodyAsset> baked_liver(std::int64_t tets, std::int64_t levels) {
+  const auto bytes = value_or_exit(write_asset_memory(bake_or_exit(liver_recipe(tets, levels)).asset));
+  auto reader = value_or_exit(AssetReader::open_memory(bytes));
+  return value_or_exit(load_soft_body(reader));
+}
+
+DropScene make_drop(std::shared_ptr<const SoftBodyAsset> liver, const WorldSettings& settings) {
+  Vec3 centre = Vec3::Zero();
+  double lowest = 0;
+  for (const Point& p : liver->model().rest_positions()) {
+    centre += as_vec3(p) / liver->model().node_count();
+    lowest = std::min(lowest, p[2]);
+  }
+  DropScene scene{value_or_exit(World::create(settings)), {}};
+  SoftBodyDescription body;
+  body.name = "liver";
+  body.pose.translation = {0.02 - centre.x(), -centre.y(), 0.11 - lowest};
+  scene.body = value_or_exit(scene.world.add_soft_body(std::move(liver), body));
+  RigidBodyDescription floor, ball;
+  floor.name = "floor";
+  floor.path = {{0, {}}};
+  ball.name = "ball";
+  ball.shape.kind = RigidShapeKind::sphere;
+  ball.shape.radius_m = 0.05;
+  ball.path = {{0, Pose{{1, 0, 0, 0}, {0, 0, 0.05}}}};
+  value_or_exit(scene.world.add_rigid_body(floor));
+  value_or_exit(scene.world.add_rigid_body(ball));
+  return scene;
+}
+
+}  // namespace souple::bench

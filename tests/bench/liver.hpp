@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The body that the scene benchmarks share: liver-smooth.obj at the reference scale and material.
+#pragma once
+#include <filesystem>
+#include <memory>
+
+#include "runtime/world/soft_body_asset.hpp"
+#include "runtime/world/world.hpp"
+#include "tools/recipe/bake.hpp"
+
+namespace souple::bench {
+
+/// Longest side 0.2 m, E 1e4 Pa, nu 0.4, rho 1000 kg/m3, alpha 0.1, beta 0.01, dynamic h = 0.01 s.
+Recipe liver_recipe(std::int64_t tets, std::int64_t levels);
+
+/// Bakes it and reads it back through the asset's bytes. Ends the program with a message if refused.
+std::shared_ptr<const SoftBodyAsset> baked_liver(std::int64_t tets, std::int64_t levels);
+BakeOutcome bake_or_exit(const Recipe& recipe);
+
+/// The value, or the end of the program with the issue on stderr.
+template <class T>
+T value_or_exit(Result<T> result);
+
+/// The drop scene: the liver above a fixed floor and a fixed ball, mu = 0.4.
+struct DropScene {
+  World world;
+  BodyId body;
+};
+DropScene make_drop(std::shared_ptr<const SoftBodyAsset> liver, const WorldSettings& settings);
+
+[[noreturn]] void exit_with(const Issue& issue);
+
+template <class T>
+T value_or_exit(Result<T> result) {
+  if (!result) exit_with(result.issue());
+  return std::move(*result);
+}
+
+}  // namespace souple::bench

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "tests/cli/run_souple.hpp"
+#include "tests/cli/schema_check.hpp"
+
+namespace souple::test {
+namespace {
+namespace fs = std::filesystem;
+
+class Simulate : public SoupleCommand {
+ protected:
+  /// A liver just above a ball on a plane.
+  std::string drop_scene(const std::string& world = "time_step_s = 0.01\n",
+                         const std::string& soft = "",
+                         const std::string& output = "frames_every = 10\n") const {
+    return "[world]\n" + world + "[[body]]\nkind = \"soft\"\nname = \"liver\"\nasset = \"" +
+           baked_liver().string() + "\"\nposition = [0, 0, 0.16]\n" + soft +
+           "[[body]]\nkind = \"rigid\"\nname = \"floor\"\nshape = \"plane\"\n"
+           "[[body]]\nkind = \"rigid\"\nname = \"ball\"\nshape = \"sphere\"\nradius_m = 0.05\n"
+           "position = [-0.03, 0.08, 0.05]\n[output]\n" +
+           output;
+  }
+  RunResult simulate(const std::string& scene, std::vector<std::string> more = {},
+                     const RunOptions& options = {}) const {
+    std::vector<std::string> words{"simulate", write("s.toml", scene).string(), "-o",
+                                   path("out").string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return run_souple(words, options);
+  }
+};
+
+TEST_F(Simulate, WritesFramesAndAReportAsItsSchemaSays) {
+  const auto result = simulate(drop_scene(), {"--steps", "40", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = result.json();
+  EXPECT_EQ(schema_violation(json, load_schema("simulate")), "");
+  EXPECT_EQ(nlohmann::json::parse(read_file(path("out/report.json"))), json);
+  EXPECT_EQ(json["steps_done"], 40);
+  EXPECT_EQ(json["frame_count"], 5);
+  EXPECT_GT(json["contacts"]["largest_count"].get<int>(), 0);
+  EXPECT_LT(json["laws"]["cone_violation"]["value"].get<double>(), 1e-6);
+  for (const char* body : {"liver", "floor", "ball"})
+    EXPECT_TRUE(fs::exists(path(std::string("out/frames/") + body + "_000004.vtu"))) << body;
+  const std::string collection = read_file(path("out/scene.pvd"));
+  EXPECT_NE(collection.find("frames/liver_000004.vtu"), std::string::npos);
+  EXPECT_EQ(collection.find("000005"), std::string::npos);
+}
+
+TEST_F(Simulate, LoadsOnlyTheComplianceTheSceneNeeds) {
+  const auto json = simulate(drop_scene(), {"--steps", "1", "--json"}).json();
+  ASSERT_TRUE(json.is_object());
+  EXPECT_EQ(json["assets"][0]["compliances"], nlohmann::json({"free"}));
+  EXPECT_LT(json["assets"][0]["bytes_read"].get<double>(),
+            0.8 * json["assets"][0]["file_bytes"].get<double>());
+  const auto held =
+      simulate(drop_scene("time_step_s = 0.01\n", "fixed = \"low\"\n"), {"--steps", "1", "--json"});
+  EXPECT_EQ(held.json()["assets"][0]["compliances"], nlohmann::json({"held"})) << held.err;
+  const auto exact = simulate(drop_scene("time_step_s = 0.004\ncontact_method = \"exact\"\n"),
+                              {"--steps", "1", "--json"});
+  EXPECT_EQ(exact.json()["assets"][0]["compliances"], nlohmann::json::array()) << exact.err;
+}
+
+TEST_F(Simulate, SameSceneEndsInTheSameState) {
+  const auto first = simulate(drop_scene(), {"--steps", "30", "--json"}).json();
+  const auto second = simulate(drop_scene("time_step_s = 0.01\n", "", "frames_every = 1\n"),
+                               {"--steps", "30", "--json"})
+                          .json();
+  ASSERT_TRUE(first.is_object() && second.is_object());
+  EXPECT_EQ(first["state_hash"], second["state_hash"]);
+}
+
+TEST_F(Simulate, ASecondRunLeavesNoFramesOfTheFirst) {
+  ASSERT_EQ(simulate(drop_scene(), {"--steps", "30"}).exit_code, 0);
+  std::error_code error;
+  fs::create_directories(path("out/frames"), error);
+  write("out/frames/notes.txt", "mine");
+  ASSERT_EQ(simulate(drop_scene(), {"--steps", "10"}).exit_code, 0);
+  EXPECT_TRUE(fs::exists(path("out/frames/liver_000001.vtu")));
+  EXPECT_FALSE(fs::exists(path("out/frames/liver_000002.vtu")));
+  EXPECT_TRUE(fs::exists(path("out/frames/notes.txt")));
+}
+
+TEST_F(Simulate, CombinedFramesHoldAllBodies) {
+  ASSERT_EQ(simulate(drop_scene("time_step_s = 0.01\n", "", "combined = true\ncontent = \"surface\"\n"),
+                     {"--steps", "2"})
+                .exit_code,
+            0);
+  EXPECT_GT(fs::file_size(path("out/frames/scene_000002.vtu")),
+            fs::file_size(path("out/frames/liver_000002.vtu")));
+}
+
+TEST_F(Simulate, RefusesATimeStepOrFixedSetWithoutACompliance) {
+  const auto step = simulate(drop_scene("time_step_s = 0.02\n"), {"--steps", "5", "--json"});
+  expect_issue(step, 3, "S3400");
+  EXPECT_NE(step.err.find("\"free\" (time step 0.01 s"), std::string::npos) << step.err;
+  const auto set =
+      simulate(drop_scene("time_step_s = 0.01\n", "fixed = \"unused\"\n"), {"--steps", "5"});
+  expect_issue(set, 3, "S3400");
+  const auto none = simulate(drop_scene("time_step_s = 0.01\n", "fixed = \"lwo\"\n"), {"--steps", "5"});
+  expect_issue(none, 3, "S3302");
+  EXPECT_NE(none.err.find("low"), std::string::npos) << none.err;
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+TEST_F(Simulate, RefusesScenesItCannotUnderstand) {
+  expect_issue(simulate("", {"--steps", "5"}), 1, "S1013");
+  expect_issue(simulate("[world]\ntime_step_s = nan\n", {"--steps", "5"}), 1, "S1012");
+  const auto syntax = simulate("[world]\ntime_step_s = 0.01\n[[body\n", {"--steps", "5"});
+  expect_issue(syntax, 1, "S1010");
+  EXPECT_NE(syntax.err.find("s.toml:3:"), std::string::npos) << syntax.err;
+  expect_issue(simulate(drop_scene("time_step_s = 0.01\nfrction = 1\n"), {"--steps", "5"}), 1, "S1011");
+  expect_issue(
+      simulate("[world]\ntime_step_s = 0.01\n[[body]]\nkind = \"soft\"\nasset = \"none.souple\"\n",
+               {"--steps", "5"}),
+      2, "S2001");
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+TEST_F(Simulate, RefusesStepCountsOutsideTheirRange) {
+  for (const char* steps : {"0", "-1", "1000001", "99999999999999999999", "nan", "1e3", ""})
+    expect_issue(simulate(drop_scene(), {"--steps", steps}), 1, "S1002");
+}
+
+TEST_F(Simulate, RefusesAnOutputFolderThatIsAFileOrCannotBeMade) {
+  write("out", "a file");
+  expect_issue(simulate(drop_scene(), {"--steps", "5"}), 2, "S2003");
+  EXPECT_EQ(read_file(path("out")), "a file");
+  const auto scene = write("s.toml", drop_scene());
+  expect_issue(run_souple({"simulate", scene.string(), "--steps", "5", "-o", "/proc/out"}), 2, "S2003");
+}
+
+TEST_F(Simulate, AFullDiskKeepsWholeFramesOnly) {
+  RunOptions options;
+  options.file_size_limit = 20000;
+  const auto result = simulate(drop_scene(), {"--steps", "20"}, options);
+  expect_issue(result, 2, "S2003");
+  for (const auto& entry : fs::recursive_directory_iterator(path("out"))) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_FALSE(name.starts_with(".")) << name;
+    if (name.ends_with(".vtu")) {
+      EXPECT_TRUE(read_file(entry.path()).ends_with("</VTKFile>\n")) << name;
+    }
+  }
+}
+
+TEST_F(Simulate, AnInterruptEndsWithAWholeReport) {
+  RunOptions options;
+  options.signal_after_s = 2;
+  const auto result = simulate(drop_scene("time_step_s = 0.01\n", "", "frames_every = 100\n"),
+                               {"--steps", "1000000"}, options);
+  EXPECT_EQ(result.signal, SIGINT);
+  const auto report = nlohmann::json::parse(read_file(path("out/report.json")), nullptr, false);
+  EXPECT_EQ(schema_violation(report, load_schema("simulate")), "");
+  EXPECT_EQ(report["outcome"], "interrupted");
+}
+
+}  // namespace
+}  // namespace souple::test

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <thread>
+
+#include "formats/read/asset_reader.hpp"
+#include "formats/read/validate.hpp"
+#include "formats/write/asset_writer.hpp"
+#include "sample_asset.hpp"
+
+namespace souple::test {
+namespace {
+
+/// Bytes this process has fetched by read(2) and its kin.
+std::uint64_t process_bytes_read() {
+  std::ifstream stream("/proc/self/io");
+  std::string word;
+  std::uint64_t count = 0;
+  while (stream >> word >> count)
+    if (word == "rchar:") return count;
+  return 0;
+}
+
+/// `process_bytes_read` counts its own reading of /proc too; this much at most.
+constexpr std::uint64_t own_reading = 1024;
+
+class LazyReading : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    scratch_ = new ScratchFolder;
+    asset_ = new Asset(make_sample_asset({.cells = 6, .static_variant = false, .tile_nodes = 64}));
+    ASSERT_TRUE(write_asset(*asset_, scratch_->path("big.souple")).ok());
+  }
+  static void TearDownTestSuite() {
+    delete asset_;
+    delete scratch_;
+  }
+  static inline ScratchFolder* scratch_ = nullptr;
+  static inline Asset* asset_ = nullptr;
+};
+
+TEST_F(LazyReading, TheMeshCostsASmallShareOfTheFile) {
+  const std::string file = scratch_->path("big.souple");
+  const std::uint64_t size = std::filesystem::file_size(file);
+  ASSERT_GT(size, 2u << 20);
+  const std::uint64_t before = process_bytes_read();
+  Result<AssetReader> reader = AssetReader::open(file);
+  ASSERT_TRUE(reader.ok()) << format_issue(reader.issue());
+  const std::uint64_t after_open = reader->bytes_read();
+  const Result<MeshLevel> coarse = reader->read_level(0);
+  const Result<MeshLevel> finest = reader->read_level(1);
+  const Result<Material> material = reader->read_material();
+  const Result<ComplianceHeader> header = reader->read_compliance_header("default");
+  const std::uint64_t counted = reader->bytes_read();
+  const std::uint64_t by_kernel = process_bytes_read() - before;
+  ASSERT_TRUE(coarse.ok() && finest.ok() && material.ok() && header.ok());
+  EXPECT_EQ(finest->mesh.tets, asset_->levels[1].mesh.tets);
+  std::cout << "file " << size << " bytes; opened with " << after_open
+            << ", meshes, material and a header with " << counted << " (kernel: " << by_kernel << ")\n";
+  EXPECT_LT(after_open, 16u << 10);
+  EXPECT_LT(counted, size / 20);
+  EXPECT_GE(by_kernel, counted);
+  EXPECT_LE(by_kernel, counted + own_reading);
+}
+
+TEST_F(LazyReading, OneVariantDoesNotReadTheOther) {
+  const std::string file = scratch_->path("big.souple");
+  Result<AssetReader> reader = AssetReader::open(file);
+  ASSERT_TRUE(reader.ok());
+  const Result<std::vector<GroupCost>> costs = reader->group_costs();
+  ASSERT_TRUE(costs.ok());
+  std::uint64_t stored = 0;
+  for (const GroupCost& cost : *costs)
+    if (cost.path == "compliance/clamped") stored = cost.stored_bytes;
+  ASSERT_GT(stored, 0u);
+  const std::uint64_t before = reader->bytes_read();
+  ASSERT_TRUE(reader->read_compliance("clamped").ok());
+  const std::uint64_t cost = reader->bytes_read() - before;
+  EXPECT_GE(cost, stored);
+  EXPECT_LT(cost, stored + (64 << 10));
+}
+
+TEST_F(LazyReading, CountsTheSameFromMemory) {
+  const std::string file = scratch_->path("big.souple");
+  const std::vector<std::byte> bytes = read_bytes(file);
+  Result<AssetReader> from_file = AssetReader::open(file);
+  Result<AssetReader> from_memory = AssetReader::open_memory(bytes);
+  ASSERT_TRUE(from_file.ok() && from_memory.ok());
+  ASSERT_TRUE(from_file->read_level(1).ok() && from_memory->read_level(1).ok());
+  EXPECT_EQ(from_file->bytes_read(), from_memory->bytes_read());
+}
+
+TEST(Descriptors, AreAllClosedAgain) {
+  const auto open_count = [] {
+    const std::filesystem::directory_iterator entries("/proc/self/fd");
+    return std::distance(begin(entries), end(entries));
+  };
+  const ScratchFolder scratch;
+  const std::string file = scratch.path("a.souple");
+  const Asset asset = make_sample_asset();
+  ASSERT_TRUE(write_asset(asset, file).ok());
+  std::vector<std::byte> damaged = read_bytes(file);
+  damaged[damaged.size() / 2] ^= std::byte{4};
+  write_bytes(scratch.path("damaged.souple"), damaged);
+  const auto before = open_count();
+  for (int i = 0; i < 50; ++i) {
+    Result<AssetReader> reader = AssetReader::open(file);
+    ASSERT_TRUE(reader.ok());
+    ASSERT_TRUE(read_asset(*reader).ok());
+    AssetReader moved = std::move(reader).value();
+    EXPECT_EQ(moved.level_count(), 2u);
+    EXPECT_FALSE(moved.read_compliance("none").ok());
+    EXPECT_FALSE(validate_asset_file(scratch.path("damaged.souple")).valid());
+    EXPECT_FALSE(AssetReader::open(scratch.folder()).ok());
+    EXPECT_FALSE(write_asset(asset, scratch.folder()).ok());
+  }
+  EXPECT_EQ(open_count(), before);
+}
+
+TEST(OpenReader, KeepsReadingAFileThatWasReplaced) {
+  const ScratchFolder scratch;
+  const std::string file = scratch.path("a.souple");
+  const Asset first = make_sample_asset(), second = make_sample_asset({.cells = 2});
+  ASSERT_TRUE(write_asset(first, file).ok());
+  Result<AssetReader> reader = AssetReader::open(file);
+  ASSERT_TRUE(reader.ok());
+  ASSERT_TRUE(write_asset(second, file).ok());
+  const Result<Asset> read = read_asset(*reader);
+  ASSERT_TRUE(read.ok());
+  EXPECT_TRUE(same_content(first, *read));
+}
+
+TEST(OpenReader, ReadsBesideReadersAndWritersOfOtherThreads) {
+  const Asset asset = make_sample_asset();
+  const Result<std::vector<std::byte>> bytes = write_asset_memory(asset);
+  ASSERT_TRUE(bytes.ok());
+  std::array<int, 4> good{};
+  std::vector<std::thread> threads;
+  for (int& count : good)
+    threads.emplace_back([&] {
+      for (int i = 0; i < 10; ++i) {
+        Result<AssetReader> reader = AssetReader::open_memory(*bytes);
+        const Result<Asset> read = reader ? read_asset(*reader) : Result<Asset>(reader.issue());
+        const Result<std::vector<std::byte>> again = write_asset_memory(asset);
+        count += read && same_content(asset, *read) && again && *again == *bytes;
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(good, (std::array<int, 4>{10, 10, 10, 10}));
+}
+
+TEST(OpenReader, RefusesAFileThatShrinksUnderIt) {
+  const ScratchFolder scratch;
+  const std::string file = scratch.path("a.souple");
+  ASSERT_TRUE(write_asset(make_sample_asset({.cells = 2}), file).ok());
+  Result<AssetReader> reader = AssetReader::open(file);
+  ASSERT_TRUE(reader.ok());
+  std::filesystem::resize_file(file, 4096);
+  EXPECT_FALSE(read_asset(*reader).ok());
+}
+
+}  // namespace
+}  // namespace souple::test

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <iostream>
+
+#include "formats/read/asset_reader.hpp"
+#include "formats/read/content_hash.hpp"
+#include "formats/read/validate.hpp"
+#include "formats/write/asset_writer.hpp"
+#include "sample_asset.hpp"
+
+namespace souple::test {
+namespace {
+
+std::vector<std::byte> written(const Asset& asset, int zstd_level = 3) {
+  Result<std::vector<std::byte>> bytes = write_asset_memory(asset, {zstd_level});
+  EXPECT_TRUE(bytes.ok()) << (bytes.ok() ? "" : format_issue(bytes.issue()));
+  return bytes.ok() ? std::move(bytes).value() : std::vector<std::byte>{};
+}
+
+Asset read_back(std::span<const std::byte> bytes) {
+  Result<AssetReader> reader = AssetReader::open_memory(bytes);
+  EXPECT_TRUE(reader.ok()) << (reader.ok() ? "" : format_issue(reader.issue()));
+  if (!reader) return {};
+  Result<Asset> asset = read_asset(*reader);
+  EXPECT_TRUE(asset.ok()) << (asset.ok() ? "" : format_issue(asset.issue()));
+  return asset ? std::move(asset).value() : Asset{};
+}
+
+TEST(AssetRoundTrip, KeepsEverything) {
+  const Asset asset = make_sample_asset();
+  const std::vector<std::byte> bytes = written(asset);
+  EXPECT_TRUE(same_content(asset, read_back(bytes)));
+  EXPECT_TRUE(validate_asset_memory(bytes).valid());
+  std::cout << "small asset: " << bytes.size() << " bytes\n";
+}
+
+TEST(AssetRoundTrip, WorksThroughAFile) {
+  const ScratchFolder scratch;
+  const Asset asset = make_sample_asset({.cells = 2});
+  const std::string file = scratch.path("körper.souple");
+  ASSERT_TRUE(write_asset(asset, file).ok());
+  EXPECT_EQ(scratch.entry_count(), 1u);
+  EXPECT_EQ(read_bytes(file), written(asset));
+  Result<AssetReader> reader = AssetReader::open(file);
+  ASSERT_TRUE(reader.ok()) << format_issue(reader.issue());
+  EXPECT_EQ(reader->version_major(), asset_version_major);
+  EXPECT_EQ(reader->version_minor(), asset_version_minor);
+  EXPECT_EQ(reader->level_count(), 2u);
+  EXPECT_EQ(reader->fixed_set_names(), (std::vector<std::string>{"bottom", "ecke"}));
+  EXPECT_EQ(reader->compliance_names(),
+            (std::vector<std::string>{"clamped", "clamped-static", "default"}));
+  EXPECT_EQ(reader->content_hash(), content_hash(asset));
+  const Result<Asset> again = read_asset(*reader);
+  ASSERT_TRUE(again.ok());
+  EXPECT_TRUE(same_content(asset, *again));
+}
+
+TEST(AssetRoundTrip, KeepsAnAssetWithoutConstraintsAndCompliance) {
+  Asset asset = make_sample_asset({.levels = 1, .regions = 1, .fixed_bottom = false});
+  asset.compliances.clear();
+  asset.provenance = {};
+  const std::vector<std::byte> bytes = written(asset);
+  EXPECT_TRUE(same_content(asset, read_back(bytes)));
+  EXPECT_TRUE(validate_asset_memory(bytes).valid());
+}
+
+TEST(AssetRoundTrip, KeepsTilesThatAreLargerThanAChunk) {
+  // (3 x 180)^2 floats: 1.17 MB a block, cut into two chunks.
+  const Asset asset = make_sample_asset({.cells = 2, .fixed_bottom = false, .tile_nodes = 180});
+  const std::vector<std::byte> bytes = written(asset);
+  EXPECT_TRUE(same_content(asset, read_back(bytes)));
+}
+
+TEST(AssetRoundTrip, KeepsTextsOfTheLargestLength) {
+  Asset asset = make_sample_asset();
+  asset.provenance.recipe.assign(60000, 'x');
+  EXPECT_TRUE(same_content(asset, read_back(written(asset))));
+  asset.provenance.recipe += 'x';
+  const auto refused = write_asset_memory(asset);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.issue().code, IssueCode::asset_limit_exceeded);
+}
+
+TEST(AssetRoundTrip, KeepsManyFixedSets) {
+  Asset asset = make_sample_asset();
+  asset.fixed_sets.resize(2);
+  for (int i = 2; i < 256; ++i) asset.fixed_sets.push_back({"set " + std::to_string(i), {i % 27}});
+  EXPECT_TRUE(same_content(asset, read_back(written(asset))));
+}
+
+TEST(AssetBytes, AreTheSameForTwoWrites) {
+  const Asset asset = make_sample_asset({.cells = 2});
+  const std::vector<std::byte> first = written(asset);
+  // Object times in seconds would differ after this.
+  ::sleep(2);
+  EXPECT_EQ(first, written(make_sample_asset({.cells = 2})));
+}
+
+TEST(AssetBytes, AreTheSameInAnotherProcess) {
+  const ScratchFolder scratch;
+  const std::string file = scratch.path("child.souple");
+  const std::vector<std::byte> here = written(make_sample_asset({.cells = 2}));
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::setenv("TZ", "Asia/Tokyo", 1);
+    ::tzset();
+    // Other addresses, and memory that is not zero where it is taken again.
+    for (std::size_t size = 64; size < (1u << 20); size *= 2) {
+      auto* used = static_cast<unsigned char*>(std::malloc(size));
+      std::fill_n(used, size, static_cast<unsigned char>(0xA5));
+      std::free(used);
+    }
+    ::_exit(write_asset(make_sample_asset({.cells = 2}), file).ok() ? 0 : 1);
+  }
+  int status = 1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_EQ(status, 0);
+  EXPECT_EQ(here, read_bytes(file));
+}
+
+TEST(AssetBytes, DoNotDependOnTheOrderOfNamedParts) {
+  const Asset asset = make_sample_asset();
+  Asset turned = asset;
+  std::ranges::reverse(turned.fixed_sets);
+  std::ranges::reverse(turned.compliances);
+  EXPECT_EQ(content_hash(asset), content_hash(turned));
+  EXPECT_EQ(written(asset), written(turned));
+}
+
+TEST(ContentHash, IsIndependentOfCompressionAndProvenance) {
+  Asset asset = make_sample_asset();
+  const std::vector<std::byte> fast = written(asset, 1), small = written(asset, 19);
+  EXPECT_NE(fast, small);
+  Result<AssetReader> a = AssetReader::open_memory(fast);
+  Result<AssetReader> b = AssetReader::open_memory(small);
+  ASSERT_TRUE(a.ok() && b.ok());
+  EXPECT_EQ(a->content_hash(), b->content_hash());
+  EXPECT_EQ(a->content_hash().size(), 32u);
+  asset.provenance.recipe = "other";
+  EXPECT_EQ(content_hash(asset), a->content_hash());
+}
+
+TEST(ContentHash, ChangesWithEveryPart) {
+  const Asset asset = make_sample_asset();
+  const std::string hash = content_hash(asset);
+  const auto differs = [&](auto change) {
+    Asset other = asset;
+    change(other);
+    return content_hash(other) != hash;
+  };
+  EXPECT_TRUE(differs([](Asset& a) { a.levels[0].mesh.nodes[3][1] += 1e-15; }));
+  EXPECT_TRUE(differs([](Asset& a) { std::swap(a.levels[1].mesh.tets[0], a.levels[1].mesh.tets[1]); }));
+  EXPECT_TRUE(differs([](Asset& a) { a.material.tet_region[5] ^= 1; }));
+  EXPECT_TRUE(differs([](Asset& a) { a.material.regions[1].name = "y"; }));
+  EXPECT_TRUE(differs([](Asset& a) { a.fixed_sets[0].nodes.pop_back(); }));
+  EXPECT_TRUE(differs([](Asset& a) { a.compliances[0].header.error.frobenius *= 2; }));
+  EXPECT_TRUE(differs([](Asset& a) { a.compliances[1].payload[100] ^= std::byte{1}; }));
+}
+
+TEST(AssetReader, ListsWhatGroupsCostWithoutReadingThem) {
+  const Asset asset = make_sample_asset({.cells = 3});
+  const std::vector<std::byte> bytes = written(asset);
+  Result<AssetReader> reader = AssetReader::open_memory(bytes);
+  ASSERT_TRUE(reader.ok());
+  const Result<std::vector<GroupCost>> costs = reader->group_costs();
+  ASSERT_TRUE(costs.ok()) << format_issue(costs.issue());
+  const Result<LevelSizes> sizes = reader->read_level_sizes(1);
+  ASSERT_TRUE(sizes.ok());
+  EXPECT_EQ(sizes->node_count, asset.levels[1].mesh.nodes.size());
+  EXPECT_EQ(sizes->tet_count, asset.levels[1].mesh.tets.size());
+  EXPECT_EQ(sizes->boundary_triangle_count, asset.levels[1].boundary.size());
+  EXPECT_LT(reader->bytes_read(), bytes.size() / 4);
+  ASSERT_EQ(costs->size(), 2u + 1u + 2u + 3u);
+  const auto cost = [&](const std::string& path) {
+    return *std::ranges::find(*costs, path, &GroupCost::path);
+  };
+  const MeshLevel& coarse = asset.levels[0];
+  EXPECT_EQ(cost("mesh/levels/0").raw_bytes,
+            24 * coarse.mesh.nodes.size() + 16 * coarse.mesh.tets.size() + 12 * coarse.boundary.size());
+  EXPECT_EQ(cost("compliance/default").raw_bytes,
+            asset.compliances[0].payload.size() + 4 * asset.compliances[0].nodes.size());
+  std::uint64_t stored = 0;
+  for (const GroupCost& group : *costs) stored += group.stored_bytes;
+  EXPECT_LT(stored, bytes.size());
+  EXPECT_GT(stored, bytes.size() / 2);
+}
+
+TEST(AssetReader, SaysWhichPartIsMissing) {
+  const std::vector<std::byte> bytes = written(make_sample_asset());
+  Result<AssetReader> reader = AssetReader::open_memory(bytes);
+  ASSERT_TRUE(reader.ok());
+  for (const char* name : {"", ".", "..", "default/nodes", "no such", "../clamped", "/"}) {
+    const auto variant = reader->read_compliance(name);
+    ASSERT_FALSE(variant.ok()) << name;
+    EXPECT_EQ(variant.issue().code, IssueCode::asset_missing_part) << name;
+    EXPECT_FALSE(reader->read_fixed_set(name).ok()) << name;
+  }
+  EXPECT_EQ(reader->read_level(2).issue().code, IssueCode::asset_missing_part);
+}
+
+TEST(AssetReader, RefusesWhatIsNoFile) {
+  const ScratchFolder scratch;
+  EXPECT_EQ(AssetReader::open(scratch.path("none")).issue().code, IssueCode::io_file_missing);
+  EXPECT_EQ(AssetReader::open(scratch.folder()).issue().code, IssueCode::io_cannot_read);
+  EXPECT_EQ(AssetReader::open("/dev/null").issue().code, IssueCode::io_file_missing);
+  EXPECT_EQ(AssetReader::open("").issue().code, IssueCode::io_file_missing);
+}
+
+}  // namespace
+}  // namespace souple::test

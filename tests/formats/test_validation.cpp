@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+#include <limits>
+
+#include "formats/core/names.hpp"
+#include "formats/read/validate.hpp"
+#include "sample_asset.hpp"
+
+namespace souple::test {
+namespace {
+
+using Change = std::function<void(Asset&)>;
+
+/// One way to spoil an asset and the code that has to answer.
+struct Fault {
+  const char* name;
+  IssueCode code;
+  Change spoil;
+};
+
+void PrintTo(const Fault& fault, std::ostream* stream) { *stream << fault.name; }
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+template <class Scalar>
+void set_scalar(ComplianceVariant& variant, std::size_t index, Scalar value) {
+  std::memcpy(variant.payload.data() + index * sizeof value, &value, sizeof value);
+}
+
+MeshLevel& finest(Asset& a) { return a.levels.back(); }
+ComplianceHeader& header(Asset& a) { return a.compliances[0].header; }
+
+const Fault mesh_faults[] = {
+    {"NaN", IssueCode::asset_not_finite, [](Asset& a) { finest(a).mesh.nodes[5][2] = nan; }},
+    {"Infinity", IssueCode::asset_not_finite, [](Asset& a) { finest(a).mesh.nodes[5][2] = -infinity; }},
+    {"HugeCoordinate", IssueCode::asset_not_finite, [](Asset& a) { finest(a).mesh.nodes[5][0] = 2e7; }},
+    {"TetIndexTooLarge", IssueCode::asset_index_out_of_range,
+     [](Asset& a) { finest(a).mesh.tets[3][1] = static_cast<Index>(finest(a).mesh.nodes.size()); }},
+    {"NegativeTetIndex", IssueCode::asset_index_out_of_range,
+     [](Asset& a) { finest(a).mesh.tets[3][1] = -1; }},
+    {"BoundaryIndex", IssueCode::asset_index_out_of_range,
+     [](Asset& a) { finest(a).boundary[0][0] = 1 << 30; }},
+    {"InvertedTet", IssueCode::asset_tet_inverted,
+     [](Asset& a) { std::swap(finest(a).mesh.tets[7][0], finest(a).mesh.tets[7][1]); }},
+    {"FlatTet", IssueCode::asset_tet_inverted,
+     [](Asset& a) { finest(a).mesh.tets[7][0] = finest(a).mesh.tets[7][1]; }},
+    {"MissingBoundaryTriangle", IssueCode::asset_mesh_inconsistent,
+     [](Asset& a) { finest(a).boundary.pop_back(); }},
+    {"TurnedBoundaryTriangle", IssueCode::asset_mesh_inconsistent,
+     [](Asset& a) { std::swap(finest(a).boundary[0][0], finest(a).boundary[0][1]); }},
+    {"UnusedNode", IssueCode::asset_mesh_inconsistent,
+     [](Asset& a) {
+       a.levels.resize(1), a.levels[0].mesh.nodes.push_back({0, 0, 1});
+     }},
+    {"NoLevels", IssueCode::asset_mesh_inconsistent, [](Asset& a) { a.levels.clear(); }},
+    {"TooManyLevels", IssueCode::asset_mesh_inconsistent, [](Asset& a) { a.levels.resize(17); }},
+    {"EmptyLevel", IssueCode::asset_mesh_inconsistent, [](Asset& a) { a.levels[0].mesh = {}; }},
+    {"ParentsOutOfRange", IssueCode::asset_index_out_of_range,
+     [](Asset& a) {
+       finest(a).parents[4] = {0, static_cast<Index>(a.levels[0].mesh.nodes.size())};
+     }},
+    {"ParentsMissing", IssueCode::asset_hierarchy_invalid,
+     [](Asset& a) { finest(a).parents.pop_back(); }},
+    {"ParentsAtLevel0", IssueCode::asset_hierarchy_invalid,
+     [](Asset& a) {
+       a.levels[0].parents.assign(a.levels[0].mesh.nodes.size(), {0, 0});
+     }},
+    {"ParentsThatAreNoEdge", IssueCode::asset_hierarchy_invalid,
+     [](Asset& a) {
+       finest(a).parents[1] = {1, 2};
+     }},
+    {"ParentsTwice", IssueCode::asset_hierarchy_invalid,
+     [](Asset& a) { finest(a).parents[1] = finest(a).parents[3]; }},
+};
+
+const Fault part_faults[] = {
+    {"NoRegion", IssueCode::material_out_of_range, [](Asset& a) { a.material.regions.clear(); }},
+    {"ZeroYoung", IssueCode::material_out_of_range,
+     [](Asset& a) { a.material.regions[0].young_pa = 0; }},
+    {"NaNYoung", IssueCode::material_out_of_range,
+     [](Asset& a) { a.material.regions[0].young_pa = nan; }},
+    {"Incompressible", IssueCode::material_out_of_range,
+     [](Asset& a) { a.material.regions[1].poisson = 0.5; }},
+    {"PoissonMinusOne", IssueCode::material_out_of_range,
+     [](Asset& a) { a.material.regions[1].poisson = -1; }},
+    {"NegativeDensity", IssueCode::material_out_of_range,
+     [](Asset& a) { a.material.regions[1].density_kg_m3 = -1; }},
+    {"NegativeDamping", IssueCode::material_out_of_range,
+     [](Asset& a) { a.material.rayleigh_mass_per_s = -1; }},
+    {"UnknownRegion", IssueCode::asset_index_out_of_range,
+     [](Asset& a) { a.material.tet_region[9] = 2; }},
+    {"TooFewRegions", IssueCode::asset_index_out_of_range,
+     [](Asset& a) { a.material.tet_region.pop_back(); }},
+    {"RegionNameTwice", IssueCode::asset_bad_name,
+     [](Asset& a) { a.material.regions[1].name = a.material.regions[0].name; }},
+    {"EmptySet", IssueCode::fixed_set_invalid, [](Asset& a) { a.fixed_sets[1].nodes.clear(); }},
+    {"UnsortedSet", IssueCode::fixed_set_invalid,
+     [](Asset& a) {
+       a.fixed_sets[1].nodes = {3, 2};
+     }},
+    {"NodeTwiceInSet", IssueCode::fixed_set_invalid,
+     [](Asset& a) {
+       a.fixed_sets[1].nodes = {2, 2};
+     }},
+    {"SetOutOfRange", IssueCode::fixed_set_invalid, [](Asset& a) { a.fixed_sets[1].nodes = {27}; }},
+    {"NegativeInSet", IssueCode::fixed_set_invalid,
+     [](Asset& a) {
+       a.fixed_sets[1].nodes = {-1, 4};
+     }},
+    {"SetOfAllNodes", IssueCode::fixed_set_invalid,
+     [](Asset& a) {
+       a.fixed_sets[1].nodes.clear();
+       for (Index i = 0; i < 27; ++i) a.fixed_sets[1].nodes.push_back(i);
+     }},
+    {"SetNameTwice", IssueCode::asset_bad_name, [](Asset& a) { a.fixed_sets[1].name = "bottom"; }},
+    {"SetNameWithSlash", IssueCode::asset_bad_name, [](Asset& a) { a.fixed_sets[1].name = "a/b"; }},
+    {"EmptyVariantName", IssueCode::asset_bad_name, [](Asset& a) { header(a).name.clear(); }},
+    {"TooManySets", IssueCode::asset_limit_exceeded,
+     [](Asset& a) {
+       for (int i = 0; i < 300; ++i) a.fixed_sets.push_back({"x" + std::to_string(i), {1}});
+     }},
+    {"RecipeIsNoText", IssueCode::asset_bad_name, [](Asset& a) { a.provenance.recipe = "\xff\xfe"; }},
+    {"NulInGenerator", IssueCode::asset_bad_name,
+     [](Asset& a) { a.provenance.generator = std::string("a\0b", 3); }},
+};
+
+const Fault compliance_faults[] = {
+    {"TimeStepZero", IssueCode::asset_compliance_invalid, [](Asset& a) { header(a).time_step_s = 0; }},
+    {"TimeStepNaN", IssueCode::asset_compliance_invalid, [](Asset& a) { header(a).time_step_s = nan; }},
+    {"OtherTimeStep", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { header(a).time_step_s = 0.02; }},
+    {"OtherDamping", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { a.material.rayleigh_stiffness_s = 0.011; }},
+    {"StaticWithTimeStep", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { a.compliances[2].header.time_step_s = 0.01; }},
+    {"StaticWithoutSet", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { a.compliances[2].header.fixed_set.clear(); }},
+    {"UnknownSet", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { a.compliances[1].header.fixed_set = "top"; }},
+    {"FixedNodeWithRow", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { header(a).fixed_set = "bottom"; }},
+    {"NegativeError", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { header(a).error.frobenius = -1; }},
+    {"InfiniteError", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { header(a).error.solve_residual = infinity; }},
+    {"NodeCount", IssueCode::asset_compliance_invalid, [](Asset& a) { ++header(a).node_count; }},
+    {"HugeCounts", IssueCode::asset_compliance_invalid,
+     [](Asset& a) {
+       header(a).node_count = header(a).block_count = std::numeric_limits<std::int64_t>::max();
+     }},
+    {"ZeroTile", IssueCode::asset_compliance_invalid, [](Asset& a) { header(a).tile_nodes = 0; }},
+    {"BlockCount", IssueCode::asset_compliance_invalid, [](Asset& a) { --header(a).block_count; }},
+    {"ShortPayload", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { a.compliances[0].payload.pop_back(); }},
+    {"OtherScalar", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { header(a).scalar = ScalarType::float64; }},
+    {"NodesNotAscending", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { std::swap(a.compliances[0].nodes[0], a.compliances[0].nodes[1]); }},
+    {"NodeOutOfRange", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { a.compliances[0].nodes.back() = 27; }},
+    {"PayloadNaN", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { set_scalar(a.compliances[0], 700, static_cast<float>(nan)); }},
+    {"PayloadInfinity", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { set_scalar(a.compliances[2], 700, -infinity); }},
+    {"NegativeDiagonal", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { set_scalar(a.compliances[0], 0, -1e-3f); }},
+    {"PaddingNotZero", IssueCode::asset_compliance_invalid,
+     [](Asset& a) { set_scalar(a.compliances[0], a.compliances[0].payload.size() / 4 - 1, 1.0f); }},
+};
+
+class Validation : public ::testing::TestWithParam<Fault> {};
+
+TEST_P(Validation, FindsTheFault) {
+  Asset asset = make_sample_asset();
+  GetParam().spoil(asset);
+  const ValidationReport report = validate_asset_content(asset);
+  EXPECT_FALSE(report.valid());
+  EXPECT_TRUE(std::ranges::any_of(report.issues, [](const Issue& i) {
+    return i.code == GetParam().code;
+  })) << (report.issues.empty() ? "no issue" : format_issue(report.issues.front()));
+}
+
+const auto fault_name = [](const auto& info) { return std::string(info.param.name); };
+INSTANTIATE_TEST_SUITE_P(Mesh, Validation, ::testing::ValuesIn(mesh_faults), fault_name);
+INSTANTIATE_TEST_SUITE_P(Parts, Validation, ::testing::ValuesIn(part_faults), fault_name);
+INSTANTIATE_TEST_SUITE_P(Compliance, Validation, ::testing::ValuesIn(compliance_faults), fault_name);
+
+TEST(ValidationReport, IsCapped) {
+  Asset asset = make_sample_asset({.cells = 3});
+  for (Point& node : asset.levels[1].mesh.nodes) node[0] = nan;
+  const ValidationReport report = validate_asset_content(asset, {5});
+  EXPECT_EQ(report.issues.size(), 5u);
+  EXPECT_EQ(report.suppressed_count, asset.levels[1].mesh.nodes.size() - 5);
+  EXPECT_FALSE(report.valid());
+}
+
+TEST(ValidationReport, OfASoundAssetIsEmpty) {
+  const ValidationReport report = validate_asset_content(make_sample_asset({.cells = 2}));
+  EXPECT_TRUE(report.issues.empty()) << format_issue(report.issues.front());
+  EXPECT_TRUE(report.valid());
+}
+
+TEST(Names, AreValidUtf8WithoutSlash) {
+  for (const char* good : {"a", "left hand", "größe", "\xf0\x9f\x8d\x8b", "...", "\xef\xbf\xbd"})
+    EXPECT_TRUE(is_valid_name(good)) << good;
+  for (const char* bad : {"", ".", "..", "a/b", "/", "a\n", "\x7f", "\xff", "\xc0\xaf", "\xe0\x80\xaf",
+                          "\xed\xa0\x80", "\xf4\x90\x80\x80", "a\xc3", "\x80"})
+    EXPECT_FALSE(is_valid_name(bad)) << bad;
+  EXPECT_TRUE(is_valid_name(std::string(128, 'x')));
+  EXPECT_FALSE(is_valid_name(std::string(129, 'x')));
+}
+
+}  // namespace
+}  // namespace souple::test

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/surface/decimate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/tools/real_surface.hpp"
+#include "tools/geometry/surface_measure.hpp"
+#include "tools/geometry/vector.hpp"
+
+namespace souple {
+namespace {
+
+TEST(Decimate, KeepsRealShapesClosedAndTheirVolume) {
+  SOUPLE_NEEDS_REAL_SURFACES();
+  for (const char* name :
+       {"liver-smooth.obj", "dino.off", "bunny_10k.obj", "anchor.off", "knot2.off"}) {
+    const TriangleMesh surface = closed_real_surface(name);
+    const auto decimated = decimate_surface(surface, {2000});
+    ASSERT_TRUE(decimated.ok()) << name << ": " << format_issue(decimated.issue());
+    EXPECT_TRUE(check_closed_oriented_manifold(decimated->mesh).ok()) << name;
+    EXPECT_LE(decimated->mesh.triangles.size(), 2000u) << name;
+    EXPECT_GE(decimated->mesh.triangles.size(), std::min<std::size_t>(surface.triangles.size(), 1980))
+        << name;
+    const DecimateReport& report = decimated->report;
+    EXPECT_EQ(report.face_count_before, surface.triangles.size());
+    EXPECT_NEAR(report.volume_after_m3 / report.volume_before_m3, 1, 1e-9) << name;
+    EXPECT_LT(report.hausdorff_m, 0.015 * 0.2) << name;
+  }
+}
+
+TEST(Decimate, ReturnsASmallerInputAsItIs) {
+  SOUPLE_NEEDS_REAL_SURFACES();
+  const TriangleMesh surface = closed_real_surface("liver.obj");
+  const auto decimated = decimate_surface(surface, {100'000});
+  ASSERT_TRUE(decimated.ok());
+  EXPECT_EQ(decimated->mesh.vertices, surface.vertices);
+  EXPECT_EQ(decimated->mesh.triangles, surface.triangles);
+  EXPECT_EQ(decimated->report.hausdorff_m, 0);
+}
+
+TEST(Decimate, GivesTheSameBytesTwiceAndTheSameShapeInAnyUnit) {
+  SOUPLE_NEEDS_REAL_SURFACES();
+  const TriangleMesh surface = closed_real_surface("liver-smooth.obj");
+  const auto a = decimate_surface(surface, {500});
+  const auto b = decimate_surface(surface, {500});
+  TriangleMesh large = surface;
+  for (Point& p : large.vertices) p = scaled(p, 1024);
+  const auto c = decimate_surface(large, {500});
+  ASSERT_TRUE(a.ok() && b.ok() && c.ok());
+  EXPECT_EQ(a->mesh.vertices, b->mesh.vertices);
+  EXPECT_EQ(a->mesh.triangles, b->mesh.triangles);
+  EXPECT_EQ(a->mesh.triangles, c->mesh.triangles);
+}
+
+TEST(Decimate, RefusesOpenSurfacesAndImpossibleTargets) {
+  SOUPLE_NEEDS_REAL_SURFACES();
+  const auto open = import_surface(real_surface_dir() / "open_cube.off", {});
+  EXPECT_EQ(decimate_surface(open->mesh, {6}).issue().code, IssueCode::surface_not_closed);
+  const auto shuffled = import_surface(real_surface_dir() / "blobby-shuffled.off", {});
+  EXPECT_EQ(decimate_surface(shuffled->mesh, {600}).issue().code, IssueCode::surface_not_orientable);
+  const TriangleMesh liver = closed_real_surface("liver.obj");
+  EXPECT_EQ(decimate_surface(liver, {3}).issue().code, IssueCode::usage_bad_value);
+  const TriangleMesh anchor = closed_real_surface("anchor.off");
+  EXPECT_EQ(decimate_surface(anchor, {4}).issue().code, IssueCode::decimation_failed);
+}
+
+}  // namespace
+}  // namespace souple

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/commands/simulation_json.hpp"
+
+namespace souple {
+namespace {
+
+Json settings_json(const WorldSettings& s) {
+  return {{"time_step_s", s.time_step_s},
+          {"gravity_m_s2", s.gravity_m_s2},
+          {"friction", s.friction},
+          {"alarm_distance_m", s.alarm_distance_m},
+          {"contact_method", contact_method_name(s.contact_method)},
+          {"feed_forward_forces", s.feed_forward_forces},
+          {"contact_tolerance", s.contact_solver.tolerance},
+          {"contact_max_sweeps", s.contact_solver.max_sweeps},
+          {"solver_tolerance", s.free_motion.tolerance},
+          {"solver_max_iterations", s.free_motion.max_iterations}};
+}
+
+Json assets_json(const std::vector<AssetUse>& assets) {
+  Json list = Json::array();
+  for (const AssetUse& use : assets)
+    list.push_back({{"file", use.file.filename().string()},
+                    {"file_bytes", use.file_bytes},
+                    {"bytes_read", use.bytes_read},
+                    {"resident_bytes", use.resident_bytes},
+                    {"compliances", use.compliances}});
+  return list;
+}
+
+Json bodies_json(const Scene& scene, const SceneWorld& built) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const bool soft = built.world.is_soft(built.bodies[i]);
+    Json body = {{"name", scene_body_name(scene.bodies[i])}, {"kind", soft ? "soft" : "rigid"}};
+    if (soft) body["node_count"] = built.world.positions(built.bodies[i]).size();
+    list.push_back(std::move(body));
+  }
+  return list;
+}
+
+Json times_json(const SimulationReport& r) {
+  Json phases = Json::object();
+  for (const PhaseStatistics& phase : r.phases)
+    phases[phase.phase] = {
+        {"sum_s", phase.sum_s}, {"median_s", phase.median_s}, {"p95_s", phase.p95_s}};
+  return {{"steps_per_s", r.steps_per_s}, {"phases", phases}};
+}
+
+Json worst_json(const Worst& worst) { return {{"value", worst.value}, {"step", worst.step}}; }
+
+Json laws_json(const SimulationReport& r) {
+  return {{"worst_penetration_m", worst_json(r.penetration_m)},
+          {"worst_surface_depth_m", worst_json(r.surface_depth_m)},
+          {"cone_violation", worst_json(r.cone_violation)},
+          {"contact_residual", worst_json(r.contact_residual)},
+          {"contact_sweeps", worst_json(r.contact_sweeps)},
+          {"free_motion_residual", worst_json(r.free_motion_residual)}};
+}
+
+Json step_json(const StepReport& r) {
+  return {{"contact_count", r.contact_count},
+          {"active_count", r.active_count},
+          {"contact_sweeps", r.contact_sweeps},
+          {"contact_residual", r.contact_residual},
+          {"free_motion_iterations", r.free_motion_iterations},
+          {"free_motion_residual", r.free_motion_residual},
+          {"penetration_m", r.worst_penetration_m},
+          {"surface_depth_m", r.worst_surface_depth_m},
+          {"cone_violation", r.cone_violation},
+          {"kinetic_energy_j", r.kinetic_energy_j},
+          {"elastic_energy_j", r.elastic_energy_j},
+          {"potential_energy_j", r.potential_energy_j}};
+}
+
+Json samples_json(const SimulationReport& r) {
+  Json samples = Json::array();
+  for (const SimulationSample& sample : r.samples) {
+    Json row = {{"step", sample.step}, {"time_s", sample.time_s}};
+    row.update(step_json(sample.report));
+    samples.push_back(std::move(row));
+  }
+  return samples;
+}
+
+}  // namespace
+
+Json simulation_json(const Scene& scene, const SceneWorld& built, const SimulationReport& r,
+                     const std::string& scene_file) {
+  Json document = schema_header("simulate");
+  document["scene"] = std::filesystem::path(scene_file).filename().string();
+  document["outcome"] = r.failure ? "failed" : r.interrupted ? "interrupted" : "done";
+  document["issue"] = r.failure ? issue_json(*r.failure) : Json(nullptr);
+  document["steps_asked"] = r.steps_asked;
+  document["steps_done"] = r.steps_done;
+  document["simulated_s"] = r.simulated_s;
+  document["frame_count"] = r.frame_count;
+  document["settings"] = settings_json(scene.world);
+  document["assets"] = assets_json(built.assets);
+  document["bodies"] = bodies_json(scene, built);
+  document["times"] = times_json(r);
+  document["contacts"] = {{"largest_count", r.largest_contact_count},
+                          {"mean_count", r.mean_contact_count},
+                          {"force_on_soft_bodies_n", r.contact_force_n},
+                          {"soft_mass_kg", r.soft_mass_kg}};
+  document["laws"] = laws_json(r);
+  document["last_step"] = step_json(r.last);
+  document["sample_stride"] = r.sample_stride;
+  document["samples"] = samples_json(r);
+  document["state_hash"] = r.state_hash;
+  return document;
+}
+
+}  // namespace souple

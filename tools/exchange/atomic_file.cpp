@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/exchange/atomic_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+namespace souple {
+namespace fs = std::filesystem;
+namespace {
+
+Issue cannot_write(const fs::path& file, int error) {
+  return make_issue(IssueCode::io_cannot_write, std::string("cannot write: ") + std::strerror(error),
+                    file.string());
+}
+
+Issue cannot_read(const fs::path& file, int error) {
+  return make_issue(IssueCode::io_cannot_read, std::string("cannot read: ") + std::strerror(error),
+                    file.string());
+}
+
+/// Closes a file descriptor at the end of a scope.
+class OpenFile {
+ public:
+  explicit OpenFile(int descriptor) : descriptor_(descriptor) {}
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  ~OpenFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  int get() const { return descriptor_; }
+  bool close() {
+    const int descriptor = descriptor_;
+    descriptor_ = -1;
+    return ::close(descriptor) == 0;
+  }
+
+ private:
+  int descriptor_;
+};
+
+bool write_all(int descriptor, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) {
+      if (written == 0) errno = ENOSPC;
+      return false;
+    }
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+fs::path folder_of(const fs::path& file) {
+  return file.parent_path().empty() ? fs::path(".") : file.parent_path();
+}
+
+std::string temporary_name(const fs::path& file) {
+  return (folder_of(file) / ("." + file.filename().string() + ".XXXXXX")).string();
+}
+
+/// mkstemp makes private files; outputs get the permissions that the umask allows.
+mode_t usual_permissions() {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return 0666 & ~mask;
+}
+
+}  // namespace
+
+Status write_file_atomically(const fs::path& file, std::string_view text) {
+  if (auto checked = check_output_file(file); !checked) return checked;
+  std::string temporary = temporary_name(file);
+  OpenFile out(::mkstemp(temporary.data()));
+  if (out.get() < 0) return cannot_write(file, errno);
+  const bool done = write_all(out.get(), text) && ::fchmod(out.get(), usual_permissions()) == 0 &&
+                    ::fsync(out.get()) == 0 && out.close() &&
+                    ::rename(temporary.c_str(), file.c_str()) == 0;
+  if (done) return {};
+  const int error = errno;
+  ::unlink(temporary.c_str());
+  return cannot_write(file, error);
+}
+
+Result<std::string> read_text_file(const fs::path& file, std::size_t limit) {
+  OpenFile in(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+  if (in.get() < 0) {
+    if (errno == ENOENT || errno == ENOTDIR)
+      return make_issue(IssueCode::io_file_missing, "there is no such file", file.string());
+    return cannot_read(file, errno);
+  }
+  struct stat status {};
+  if (::fstat(in.get(), &status) != 0) return cannot_read(file, errno);
+  if (!S_ISREG(status.st_mode)) return cannot_read(file, S_ISDIR(status.st_mode) ? EISDIR : EINVAL);
+  std::string text;
+  std::array<char, 65536> buffer;
+  while (true) {
+    const ssize_t count = ::read(in.get(), buffer.data(), buffer.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return cannot_read(file, errno);
+    if (count == 0) return text;
+    if (text.size() + static_cast<std::size_t>(count) > limit)
+      return make_issue(IssueCode::io_file_too_large,
+                        "the file is larger than " + std::to_string(limit) + " bytes", file.string());
+    text.append(buffer.data(), static_cast<std::size_t>(count));
+  }
+}
+
+Status make_output_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return cannot_write(folder, error.value());
+  if (!fs::is_directory(folder, error)) return cannot_write(folder, ENOTDIR);
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) return cannot_write(folder, errno);
+  return {};
+}
+
+Status check_output_file(const fs::path& file) {
+  std::error_code error;
+  if (file.filename().empty()) return cannot_write(file, EISDIR);
+  if (fs::is_directory(file, error)) return cannot_write(file, EISDIR);
+  const fs::path folder = folder_of(file);
+  if (!fs::is_directory(folder, error))
+    return cannot_write(file, fs::exists(folder, error) ? ENOTDIR : ENOENT);
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) return cannot_write(file, errno);
+  return {};
+}
+
+}  // namespace souple

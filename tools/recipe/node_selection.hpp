@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "formats/core/asset.hpp"
+#include "formats/core/result.hpp"
+#include "tools/recipe/recipe.hpp"
+
+namespace souple {
+
+/// The nodes that a request selects, sorted. Issue fixed_set_invalid when it selects none or all; the
+/// message names the box of the mesh, because a selection in other units is the usual cause.
+Result<FixedSet> select_nodes(const FixedRequest& request, const std::vector<Point>& nodes);
+
+}  // namespace souple

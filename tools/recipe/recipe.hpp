@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What to bake: a surface, a resolution, a material, fixed sets and compliances. Plain data with the
+// defaults of a soft organ; SI units.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "formats/core/asset.hpp"
+#include "formats/core/result.hpp"
+
+namespace souple {
+
+struct SurfaceSettings {
+  std::filesystem::path file;
+  std::string unit = "m";  ///< of the numbers in the file
+  double size_m = 0;       ///< longest side after scaling; 0: the file's own size
+};
+
+struct MeshSettings {
+  std::int64_t tets = 10000;  ///< about so many on the finest level; used when edge_length_m is 0
+  double edge_length_m = 0;   ///< > 0: edge length of the finest level
+  std::int64_t levels = 2;
+  std::string hierarchy = "nested";
+};
+
+struct MaterialSettings {
+  double young_pa = 1e4;
+  double poisson = 0.4;
+  double density_kg_m3 = 1000;
+  double rayleigh_mass_per_s = 0.1;
+  double rayleigh_stiffness_s = 0.01;
+};
+
+// Selections of nodes, in metres and in the frame of the final mesh: the coordinates of the surface
+// file times the scale to metres and to the target size. Borders belong to the selection.
+struct BoxSelection {
+  Point min{}, max{};
+};
+struct SphereSelection {
+  Point centre{};
+  double radius_m = 0;
+};
+/// All nodes x with normal . (x - point) <= distance_m: those below the plane.
+struct PlaneSelection {
+  Point point{};
+  Point normal{};  ///< of any length
+  double distance_m = 0;
+};
+/// The `count` nodes nearest to a point; the lower index wins a tie.
+struct NearestSelection {
+  Point point{};
+  std::int64_t count = 1;
+};
+using NodeSelection = std::variant<BoxSelection, SphereSelection, PlaneSelection, NearestSelection>;
+
+struct FixedRequest {
+  std::string name;
+  NodeSelection selection;
+};
+
+struct ComplianceRequest {
+  std::string name = "default";
+  ComplianceKind kind = ComplianceKind::dynamic_step;
+  double time_step_s = 0.01;  ///< 0 if static
+  std::string fixed;          ///< name of a fixed set; empty: none
+  ScalarType scalar = ScalarType::float32;
+};
+
+struct Recipe {
+  SurfaceSettings surface;
+  MeshSettings mesh;
+  MaterialSettings material;
+  std::vector<FixedRequest> fixed;
+  std::vector<ComplianceRequest> compliances{ComplianceRequest{}};
+};
+
+/// Every key is known, of its kind and in range, or the recipe is refused. Keys that are absent keep
+/// their default. `name` stands in messages. Issues: config_*, usage_conflict, unsupported_feature.
+Result<Recipe> parse_recipe(std::string_view text, const std::string& name);
+/// As parse_recipe; a relative surface file is taken relative to the recipe's folder.
+Result<Recipe> read_recipe(const std::filesystem::path& file);
+
+/// What the keys must agree on among themselves, after command-line options were applied.
+/// Issues: usage_missing_argument, config_bad_value, recipe_too_few_tets, compliance_singular,
+/// unsupported_feature.
+Status check_recipe(const Recipe& recipe);
+
+/// The effective recipe as TOML, every key written: the same text for the same recipe, wherever it was
+/// read from (the surface's folder is left out). parse_recipe reads it back.
+std::string canonical_recipe_text(const Recipe& recipe);
+
+}  // namespace souple

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A scene as text and data: the world's settings, its bodies and what to write. SI units.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "formats/core/result.hpp"
+#include "runtime/world/settings.hpp"
+
+namespace souple {
+
+struct SceneSoftBody {
+  SoftBodyDescription description;
+  std::filesystem::path asset;
+};
+
+using SceneBody = std::variant<SceneSoftBody, RigidBodyDescription>;
+
+enum class FrameContent : std::uint8_t { tets, surface };
+
+struct SceneOutput {
+  std::int64_t frames_every = 1;  ///< steps between frames; frame 0 is the initial state
+  bool vtu = true;
+  FrameContent content = FrameContent::tets;  ///< of soft bodies
+  bool combined = false;    ///< one file per frame with the surfaces of all bodies as well
+  double plane_size_m = 1;  ///< side of the square that stands for a plane
+};
+
+struct Scene {
+  WorldSettings world;
+  std::vector<SceneBody> bodies;  ///< with names that are unique and fit for file names
+  SceneOutput output;
+};
+
+/// Every key is known, of its kind and in range, or the scene is refused. `name` stands in messages.
+/// Issues: config_*.
+Result<Scene> parse_scene(std::string_view text, const std::string& name);
+/// As parse_scene; relative assets are taken relative to the scene's folder.
+Result<Scene> read_scene(const std::filesystem::path& file);
+
+const std::string& scene_body_name(const SceneBody& body);
+std::string_view contact_method_name(ContactMethod method);
+
+}  // namespace souple
