@@ -173,14 +173,18 @@ double World::State::normal_motion(std::size_t contact) const {
 }
 
 // The alarm distance covers whatever a step may bring; after the free motion most of those contacts are
-// known to stay apart. Kept are those that carry force, and those that end near enough to be pushed
-// together by the others.
+// known to stay apart. Kept are those that carry force, and those that end so near that the correction may
+// close them: stopping a body changes the motion of a step by about as much as the body moved.
 void World::State::discard_distant() {
+  double moved = 0;
+  if (!contacts.empty())
+    for (const auto index : soft_indices)
+      moved = std::max(moved, settings.time_step_s * soft(index).largest_speed());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const double margin = settings.alarm_distance_m > 0
                               ? settings.alarm_distance_m
-                              : alarm_share * soft(contacts[i].a.body).asset->longest_side_m();
+                              : alarm_share * soft(contacts[i].a.body).asset->longest_side_m() + moved;
     const Eigen::Map<const Vec3> carried(force.data() + 3 * i);
     if (carried.isZero(0) && contacts[i].gap + normal_motion(i) > margin) continue;
     contacts[kept] = contacts[i];

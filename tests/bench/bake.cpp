@@ -21,7 +21,9 @@ int main() {
       outcome = bake_or_exit(liver_recipe(10000, 2));
       write_s = seconds_of([&] { file = value_or_exit(write_asset_memory(outcome.asset)); });
     }));
-    for (const auto& stage : outcome.report.stages) stages[stage.name].push_back(stage.wall_s);
+    // "compliance NAME": the recipe has one.
+    for (const auto& stage : outcome.report.stages)
+      stages[stage.name.substr(0, stage.name.find(' '))].push_back(stage.wall_s);
     stages["write"].push_back(write_s);
     hash = ResultHash();
     hash.add(file);

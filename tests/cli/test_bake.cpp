@@ -14,8 +14,8 @@ class Bake : public SoupleCommand {
  protected:
   /// A quick bake of the anchor into the test's folder.
   RunResult bake(std::vector<std::string> more, const RunOptions& options = {}) const {
-    std::vector<std::string> words{"bake", surface("anchor.off").string(), "--tets", "500", "--size-m",
-                                   "0.2", "--levels", "1"};
+    std::vector<std::string> words{
+        "bake", surface("anchor.off").string(), "--tets", "500", "--size-m", "0.2", "--levels", "1"};
     words.insert(words.end(), more.begin(), more.end());
     return run_souple(words, options);
   }
@@ -43,9 +43,14 @@ TEST_F(Bake, SameInputGivesTheSameBytesFromAnyFolder) {
   RunOptions here, there;
   here.folder = folder_;
   there.folder = path("sub");
-  ASSERT_EQ(run_souple({"bake", "anchor.off", "--tets", "500", "--levels", "1", "-o", "a.souple"}, here).exit_code, 0);
+  ASSERT_EQ(run_souple({"bake", "anchor.off", "--tets", "500", "--levels", "1", "-o", "a.souple"}, here)
+                .exit_code,
+            0);
   ASSERT_EQ(
-      run_souple({"bake", copy.string(), "--tets", "500", "--levels", "1", "-q", "-o", "b.souple"}, there).exit_code, 0);
+      run_souple({"bake", copy.string(), "--tets", "500", "--levels", "1", "-q", "-o", "b.souple"},
+                 there)
+          .exit_code,
+      0);
   EXPECT_EQ(read_file(path("a.souple")), read_file(path("sub/b.souple")));
   EXPECT_FALSE(read_file(path("a.souple")).empty());
 }
@@ -81,8 +86,8 @@ TEST_F(Bake, ItsStoredRecipeBakesTheSameAsset) {
 }
 
 TEST_F(Bake, SaysThatASurfaceKeepsItsSizeAndThatABodyIsAPuddle) {
-  const auto result = run_souple({"bake", surface("anchor.off").string(), "--tets", "500", "--levels", "1", "--young-pa",
-                                  "100", "-o", path("a.souple").string()});
+  const auto result = run_souple({"bake", surface("anchor.off").string(), "--tets", "500", "--levels",
+                                  "1", "--young-pa", "100", "-o", path("a.souple").string()});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.err.find("keeps its own size"), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("puddle"), std::string::npos) << result.err;

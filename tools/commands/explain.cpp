@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // souple explain [CODE]: what a code means and how to mend it.
+#include <optional>
+
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/json_output.hpp"
 #include "tools/exchange/nearest_name.hpp"
@@ -30,19 +32,19 @@ std::string entry_text(const IssueEntry& entry) {
 }
 
 /// By number ("S3001", "3001") or by name ("surface_not_finite").
-Result<std::vector<const IssueEntry*>> entries_for(const std::string& asked) {
+Result<std::vector<const IssueEntry*>> entries_for(const std::optional<std::string>& asked) {
   std::vector<const IssueEntry*> entries;
   std::vector<std::string> known;
   for (const IssueEntry& entry : issue_catalogue()) {
-    if (asked.empty() || asked == entry.name) entries.push_back(&entry);
+    if (!asked || *asked == entry.name) entries.push_back(&entry);
     known.push_back(issue_code_text(entry.code));
     known.emplace_back(entry.name);
   }
   if (!entries.empty()) return entries;
-  if (const IssueEntry* entry = find_issue_entry(asked)) return std::vector{entry};
-  const std::string near = nearest_name(asked, known);
+  if (const IssueEntry* entry = find_issue_entry(*asked)) return std::vector{entry};
+  const std::string near = nearest_name(*asked, known);
   return make_issue(
-      IssueCode::usage_bad_value, "there is no code \"" + asked + "\"", "souple explain",
+      IssueCode::usage_bad_value, "there is no code \"" + *asked + "\"", "souple explain",
       (near.empty() ? "" : "Did you mean " + near + "? ") + "`souple explain` lists all codes.");
 }
 
@@ -63,7 +65,7 @@ Status print_entries(const std::vector<const IssueEntry*>& entries, bool one, bo
 }  // namespace
 
 Result<ExitCode> run_explain(const Arguments& arguments) {
-  std::string asked;
+  std::optional<std::string> asked;
   CommandLine line("explain", "What a code means and how to mend it; without CODE, all codes.");
   line.app().add_option("CODE", asked, "e.g. S3001");
   const auto parsed = line.parse(arguments);
@@ -71,7 +73,7 @@ Result<ExitCode> run_explain(const Arguments& arguments) {
   if (*parsed == ParseOutcome::help_printed) return ExitCode::ok;
   const auto entries = entries_for(asked);
   if (!entries) return entries.issue();
-  if (auto status = print_entries(*entries, !asked.empty(), line.common().json); !status)
+  if (auto status = print_entries(*entries, asked.has_value(), line.common().json); !status)
     return status.issue();
   return ExitCode::ok;
 }

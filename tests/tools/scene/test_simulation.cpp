@@ -61,12 +61,12 @@ TEST_F(Simulation, KeepsFramesAndSaysWhyWhenAStepCannotBeComputed) {
   std::vector<Point> positions(built.world.positions(built.bodies[0]).begin(),
                                built.world.positions(built.bodies[0]).end());
   const std::vector<Point> velocities(positions.size(), Point{1e308, 0, 0});
-  const SimulationOptions options{10, folder_,
+  const SimulationOptions options{10,
+                                  folder_,
                                   [&](std::int64_t done) {
-                                    if (done == 3)
-                                      ASSERT_TRUE(built.world
-                                                      .set_state(built.bodies[0], positions, velocities)
-                                                      .ok());
+                                    if (done != 3) return;
+                                    const BodyId box = built.bodies[0];
+                                    ASSERT_TRUE(built.world.set_state(box, positions, velocities).ok());
                                   },
                                   {}};
   const auto report = run_simulation(scene_, built, options);
