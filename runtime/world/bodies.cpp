@@ -45,12 +45,16 @@ void SoftBody::hold_fixed_nodes() {
 }
 
 ConjugateGradientReport SoftBody::solve_free_motion(double h, const FreeMotionSettings& settings) {
+  motion = h * v;
+  return solve_from_motion(h, settings);
+}
+
+ConjugateGradientReport SoftBody::solve_from_motion(double h, const FreeMotionSettings& settings) {
   // At rest the load vanishes by cancellation; its size is then judged against the inertia that one
   // micrometre-per-second would have, so that the solver does not chase round-off.
   double weight = 0;
   for (const double mass : asset->model().masses()) weight += mass * mass;
   const double floor = std::sqrt(weight) * 1e-6 / h;
-  motion = h * v;
   return solver.solve(tangent, load, settings.tolerance, std::max(load.norm(), floor),
                       settings.max_iterations, motion);
 }

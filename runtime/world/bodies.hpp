@@ -25,6 +25,8 @@ struct SoftBody {
   void prepare_free_motion(double time_step_s, const Vec3& gravity);
   /// Solves A dx = load into `motion`, from the motion of the last step.
   ConjugateGradientReport solve_free_motion(double time_step_s, const FreeMotionSettings& settings);
+  /// The same from the motion there is, after forces were added to `load`.
+  ConjugateGradientReport solve_from_motion(double time_step_s, const FreeMotionSettings& settings);
   double kinetic_energy() const;
   double elastic_energy();  ///< of the present positions
   double potential_energy(const Vec3& gravity) const;

@@ -41,6 +41,7 @@ Status check_settings(const WorldSettings& s) {
     return refuse("friction " + std::to_string(s.friction) + " is outside [0, 10]", "friction");
   if (!in_range(s.alarm_distance_m, 0, largest_length))
     return refuse("the alarm distance is out of range", "alarm_distance_m");
+  if (!in_range(s.contact_passes, 1, 20)) return refuse("contact passes must be in [1, 20]", "contact_passes");
   if (!in_range(s.contact_solver.tolerance, 0, 1) || !in_range(s.contact_solver.max_sweeps, 1, 1e6))
     return refuse("tolerance must be in [0, 1] and sweeps in [1, 1e6]", "contact solver");
   if (!in_range(s.free_motion.tolerance, 0, 1) || !in_range(s.free_motion.max_iterations, 1, 1e6))

@@ -41,6 +41,10 @@ struct WorldSettings {
   double alarm_distance_m = 0;   ///< contacts are built below this gap; 0: chosen from size and speed
   ContactMethod contact_method = ContactMethod::warped;
   bool feed_forward_forces = true;  ///< last step's forces enter the free motion (METHOD 4.2)
+  /// Contact solves in a step, 1 to 20. Each further one first makes the motion exact for the forces so
+  /// far with the present tangent, so that only what they still change is warped: the error of warping
+  /// shrinks with every pass, for the price of a solve.
+  int contact_passes = 1;
   ContactSolverSettings contact_solver;
   FreeMotionSettings free_motion;
   /// Fill the law and energy figures of every StepReport; not part of the times it gives.

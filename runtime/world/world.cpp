@@ -75,8 +75,11 @@ struct World::State {
   Status free_motion(StepReport& report);
   double normal_motion(std::size_t contact) const;
   void discard_distant();
-  Status build_problem();
+  Status build_delassus();
+  void build_free_gap();
   void correct();
+  void make_motion_exact(StepReport& report);
+  Status solve_contacts(StepReport& report, PhaseClock& clock);
   Status commit();
   void measure(StepReport& report);
 };
@@ -201,17 +204,8 @@ void World::State::discard_distant() {
   describe_contacts();
 }
 
-// W, and the gap that no contact force would leave: q = gap + H dx_free - W f_applied.
-Status World::State::build_problem() {
-  const std::size_t size = 3 * contacts.size();
-  delassus.assign(size * size, 0.0);
-  free_gap.assign(size, 0.0);
-  gap.resize(size);
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    Eigen::Map<Vec3> g(free_gap.data() + 3 * i);
-    g = -(frames[i].transpose() * contacts[i].driven_motion);
-    g[0] += contacts[i].gap;
-  }
+Status World::State::build_delassus() {
+  delassus.assign(9 * contacts.size() * contacts.size(), 0.0);
   for (const auto index : soft_indices) {
     BodyContacts& body = body_contacts[index];
     if (body.empty()) continue;
@@ -227,14 +221,26 @@ Status World::State::build_problem() {
       body.evaluate_warped(soft(index));
     }
     body.add_to(frames, contacts.size(), delassus);
-    body.add_motion(frames, soft(index).motion, free_gap);
   }
   mirror_delassus(contacts.size(), delassus);
+  return {};
+}
+
+// The gap that no contact force would leave: q = gap + H dx - W f_applied.
+void World::State::build_free_gap() {
+  const std::size_t size = 3 * contacts.size();
+  free_gap.assign(size, 0.0);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    Eigen::Map<Vec3> g(free_gap.data() + 3 * i);
+    g = -(frames[i].transpose() * contacts[i].driven_motion);
+    g[0] += contacts[i].gap;
+  }
+  for (const auto index : soft_indices)
+    body_contacts[index].add_motion(frames, soft(index).motion, free_gap);
   for (std::size_t k = 0; k < size; ++k) {
     if (applied[k] == 0) continue;
     for (std::size_t row = 0; row < size; ++row) free_gap[row] -= applied[k] * delassus[k * size + row];
   }
-  return {};
 }
 
 void World::State::correct() {
@@ -248,6 +254,35 @@ void World::State::correct() {
     else
       body.correct_warped(soft(index), frames, change);
   }
+}
+
+// The motion that the forces so far cause by the present tangent, without the error of warping.
+void World::State::make_motion_exact(StepReport& report) {
+  for (const auto index : soft_indices) {
+    if (body_contacts[index].empty()) continue;
+    SoftBody& body = soft(index);
+    body_contacts[index].add_forces(frames, change, body.load);
+    const auto solved = body.solve_from_motion(settings.time_step_s, settings.free_motion);
+    report.free_motion_iterations += solved.iterations;
+    report.free_motion_residual = std::max(report.free_motion_residual, solved.relative_residual);
+  }
+  applied = force;
+}
+
+Status World::State::solve_contacts(StepReport& report, PhaseClock& clock) {
+  if (auto status = build_delassus(); !status) return status;
+  gap.resize(3 * contacts.size());
+  for (int pass = 0; pass < settings.contact_passes; ++pass) {
+    if (pass > 0) make_motion_exact(report);
+    report.times.free_motion_s += pass > 0 ? clock.lap() : 0;
+    build_free_gap();
+    report.times.compliance_s += clock.lap();
+    report.contact_sweeps += solve_frictional_contact(problem(), settings.contact_solver, force, gap).sweeps;
+    report.times.contact_solve_s += clock.lap();
+    correct();
+    report.times.correction_s += clock.lap();
+  }
+  return {};
 }
 
 // Takes over the motion only if all of it is finite.
@@ -341,15 +376,8 @@ Result<StepReport> World::step() {
   if (auto status = s.free_motion(report); !status) return status.issue();
   s.discard_distant();
   report.times.free_motion_s = clock.lap();
-  if (!s.contacts.empty()) {
-    if (auto status = s.build_problem(); !status) return status.issue();
-    report.times.compliance_s = clock.lap();
-    report.contact_sweeps =
-        solve_frictional_contact(s.problem(), s.settings.contact_solver, s.force, s.gap).sweeps;
-    report.times.contact_solve_s = clock.lap();
-    s.correct();
-    report.times.correction_s = clock.lap();
-  }
+  if (!s.contacts.empty())
+    if (auto status = s.solve_contacts(report, clock); !status) return status.issue();
   if (auto status = s.commit(); !status) return status.issue();
   const PhaseTimes& t = report.times;
   report.times.total_s = t.free_motion_s + t.collision_s + t.compliance_s + t.contact_solve_s +

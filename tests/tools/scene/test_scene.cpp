@@ -46,7 +46,10 @@ kind = "rigid"
 name = "ball"
 shape = "sphere"
 radius_m = 0.3
-keyframes = [ { time_s = 0, position = [0, 0, 0] }, { time_s = 2, position = [0, 0, 1], rotation = { quaternion = [0, 0, 0, 2] } } ]
+keyframes = [
+  { time_s = 0, position = [0, 0, 0] },
+  { time_s = 2, position = [0, 0, 1], rotation = { quaternion = [0, 0, 0, 2] } },
+]
 [output]
 frames_every = 5
 vtu = true

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include "tests/support/box_mesh.hpp"
+#include "tests/support/dense_compliance.hpp"
+#include "tests/support/scenes.hpp"
+
+namespace souple {
+namespace {
+
+using namespace test;
+
+// Positions after the first impact of a body that is bent and turned when it lands.
+std::vector<Point> bent_impact(ContactMethod method, int passes) {
+  WorldSettings settings;
+  settings.contact_method = method;
+  settings.contact_passes = passes;
+  settings.free_motion.tolerance = 1e-11;
+  World world = make_world(settings);
+  const auto asset = make_body(box_mesh({6, 3, 3}, {-0.15, -0.05, -0.05}, {0.3, 0.1, 0.1}),
+                               material_of(1e4, 0.4, 1000, 0.1, 0.01), 0.01);
+  const BodyId body = add_soft(world, asset, {0, 0, 0.12}, turned(20, {1, 2, 0}), {0, 0, -1});
+  std::vector<Point> x(world.positions(body).begin(), world.positions(body).end());
+  const std::vector<Point> v(world.velocities(body).begin(), world.velocities(body).end());
+  for (Point& p : x) p[2] += 3 * p[0] * p[0];
+  EXPECT_TRUE(world.set_state(body, x, v).ok());
+  add_plane(world);
+  for (int k = 0; k < 12; ++k) step(world);
+  return {world.positions(body).begin(), world.positions(body).end()};
+}
+
+double distance(const std::vector<Point>& a, const std::vector<Point>& b) {
+  double worst = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) worst = std::max(worst, (as_vec3(a[k]) - as_vec3(b[k])).norm());
+  return worst;
+}
+
+TEST(ContactPasses, EachOneBringsTheWarpedMotionNearerToTheExactOne) {
+  const auto exact = bent_impact(ContactMethod::exact, 1);
+  const double one = distance(bent_impact(ContactMethod::warped, 1), exact);
+  const double two = distance(bent_impact(ContactMethod::warped, 2), exact);
+  const double four = distance(bent_impact(ContactMethod::warped, 4), exact);
+  EXPECT_LT(two, 0.5 * one);
+  EXPECT_LT(four, 0.5 * two);
+  EXPECT_LT(four, 1e-3 * 0.3);
+}
+
+TEST(ContactPasses, ChangeNothingForTheExactCompliance) {
+  const auto one = bent_impact(ContactMethod::exact, 1), three = bent_impact(ContactMethod::exact, 3);
+  EXPECT_LT(distance(one, three), 1e-6);
+}
+
+}  // namespace
+}  // namespace souple
