@@ -55,7 +55,7 @@ install_packages() {
   # The release preset configures the tests as well: hence the set `test`.
   ./tools/install_packages.sh build test
   # Without these there are no pictures, and the rest still works.
-  ./tools/install_packages.sh demo || say "the renderer could not be installed; there will be no pictures"
+  ./tools/install_packages.sh demo || say "the renderer could not be installed: no pictures"
 }
 
 build() {
@@ -118,7 +118,7 @@ render() {
     fi
     pictures+=(-label "$(awk -v f="$frame" 'BEGIN {printf "%.2f s", 0.03 * f}')" "$picture")
   done
-  if ! montage -background white -fill '#333333' -pointsize 22 -tile 4x -geometry 480x420+4+4 \
+  if ! montage -background white -fill '#333333' -pointsize 22 -tile 4x -geometry 480x360+4+4 \
     "${pictures[@]}" "$strip.part.png"; then
     rm -f "$strip.part.png"
     say "no strip: montage failed; the pictures are in $out/pictures"
@@ -132,12 +132,15 @@ summary() {
   printf '\nasset     %s (%s bytes)\n' "$asset" "$(stat -c %s "$asset")"
   printf 'frames    %s/scene.pvd (ParaView), %s/frames/*.vtu (f3d)\n' "$run" "$run"
   printf 'report    %s/report.json\n' "$run"
-  if [ -s "$strip" ]; then printf 'pictures  %s\n' "$strip"; fi
+  if [ "$strip" -nt "$run/report.json" ]; then printf 'pictures  %s\n' "$strip"; fi
   awk '
     /"steps_per_s":/ {gsub(/[^0-9.e+-]/, "", $2); printf "speed     %.0f steps/s\n", $2}
     /"last_step":/ {last = 1}
     last && /"contact_count":/ {gsub(/,/, "", $2); printf "contacts  %s in the last step\n", $2}
-    last && /"penetration_m":/ {gsub(/,/, "", $2); printf "at rest   penetration %.2g m at vertices", $2}
+    last && /"penetration_m":/ {
+      gsub(/,/, "", $2)
+      printf "at rest   penetration %.2g m at vertices", $2
+    }
     last && /"surface_depth_m":/ {gsub(/,/, "", $2); printf ", %.2g m of the surface", $2}
     last && /"kinetic_energy_j":/ {gsub(/,/, "", $2); printf ", kinetic energy %.2g J\n", $2; exit}
   ' "$run/report.json"

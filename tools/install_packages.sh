@@ -12,7 +12,7 @@ packages_of() {
         libeigen3-dev libcgal-dev libassimp-dev libsuitesparse-dev libopenblas-dev \
         libhdf5-dev libzstd-dev libxxhash-dev \
         libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libtbb-dev ;;
-    test) echo libgtest-dev libbenchmark-dev libexpat1-dev hdf5-tools time ;;
+    test) echo libgtest-dev libbenchmark-dev libexpat1-dev hdf5-tools python3-h5py time ;;
     # montage writes labels in Helvetica, which imagemagick alone does not bring.
     demo) echo f3d xvfb xauth imagemagick fonts-urw-base35 ;;
     lint) echo clang-format clang-tidy shellcheck ;;

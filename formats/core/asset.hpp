@@ -85,15 +85,15 @@ struct ComplianceHeader {
 
 struct ComplianceVariant {
   ComplianceHeader header;
-  std::vector<Index> nodes;          ///< finest-level node of every row block, ascending, size n
-  std::vector<std::byte> payload;    ///< blocks one after another, little-endian scalars; m/N
+  std::vector<Index> nodes;        ///< finest-level node of every row block, ascending, size n
+  std::vector<std::byte> payload;  ///< blocks one after another, little-endian scalars; m/N
 };
 
 struct Provenance {
-  std::string generator;            ///< "souple 0.1.0"
-  std::string recipe;               ///< effective recipe, TOML text
-  std::string input_name;           ///< file name of the surface, without folders
-  std::string input_hash;           ///< hex of the input's bytes
+  std::string generator;   ///< "souple 0.1.0"
+  std::string recipe;      ///< effective recipe, TOML text
+  std::string input_name;  ///< file name of the surface, without folders
+  std::string input_hash;  ///< hex of the input's bytes
 };
 
 struct Asset {

@@ -16,8 +16,8 @@ constexpr auto catalogue = std::to_array<IssueEntry>({
 #undef SOUPLE_ISSUE
 });
 
-static_assert(std::ranges::adjacent_find(catalogue, std::ranges::greater_equal{},
-                                         &IssueEntry::code) == catalogue.end(),
+static_assert(std::ranges::adjacent_find(catalogue, std::ranges::greater_equal{}, &IssueEntry::code) ==
+                  catalogue.end(),
               "codes ascend and none stands twice");
 
 }  // namespace

@@ -19,15 +19,27 @@ class [[nodiscard]] Result {
   bool ok() const { return state_.index() == 0; }
   explicit operator bool() const { return ok(); }
 
-  T& value() & { assert(ok()); return *std::get_if<0>(&state_); }
-  const T& value() const& { assert(ok()); return *std::get_if<0>(&state_); }
-  T&& value() && { assert(ok()); return std::move(*std::get_if<0>(&state_)); }
+  T& value() & {
+    assert(ok());
+    return *std::get_if<0>(&state_);
+  }
+  const T& value() const& {
+    assert(ok());
+    return *std::get_if<0>(&state_);
+  }
+  T&& value() && {
+    assert(ok());
+    return std::move(*std::get_if<0>(&state_));
+  }
   T& operator*() & { return value(); }
   const T& operator*() const& { return value(); }
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
 
-  const Issue& issue() const { assert(!ok()); return *std::get_if<1>(&state_); }
+  const Issue& issue() const {
+    assert(!ok());
+    return *std::get_if<1>(&state_);
+  }
 
  private:
   std::variant<T, Issue> state_;
@@ -41,7 +53,10 @@ class [[nodiscard]] Status {
 
   bool ok() const { return !issue_.has_value(); }
   explicit operator bool() const { return ok(); }
-  const Issue& issue() const { assert(!ok()); return *issue_; }
+  const Issue& issue() const {
+    assert(!ok());
+    return *issue_;
+  }
 
  private:
   std::optional<Issue> issue_;

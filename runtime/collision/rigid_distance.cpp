@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/collision/rigid_distance.hpp"
 
-
 namespace souple {
 namespace {
 
@@ -33,9 +32,15 @@ SignedDistance signed_distance(const RigidShape& shape, const RigidPlacement& at
   const Vec3 local = at.rotation.transpose() * (point - at.translation);
   SignedDistance result;
   switch (shape.kind) {
-    case RigidShapeKind::plane: result = {local.z(), Vec3::UnitZ()}; break;
-    case RigidShapeKind::sphere: result = sphere_distance(shape.radius_m, local); break;
-    case RigidShapeKind::box: result = box_distance(as_vec3(shape.half_extents_m), local); break;
+    case RigidShapeKind::plane:
+      result = {local.z(), Vec3::UnitZ()};
+      break;
+    case RigidShapeKind::sphere:
+      result = sphere_distance(shape.radius_m, local);
+      break;
+    case RigidShapeKind::box:
+      result = box_distance(as_vec3(shape.half_extents_m), local);
+      break;
   }
   result.normal = at.rotation * result.normal;
   return result;

@@ -6,7 +6,8 @@
 namespace souple {
 
 template <class Scalar>
-DenseTiledCompliance<Scalar>::DenseTiledCompliance(TileLayout layout, std::unique_ptr<BlockSource> source)
+DenseTiledCompliance<Scalar>::DenseTiledCompliance(TileLayout layout,
+                                                   std::unique_ptr<BlockSource> source)
     : layout_(layout), source_(std::move(source)) {}
 
 // Payloads come from vectors and are whole blocks of scalars, so the alignment holds.
@@ -21,7 +22,8 @@ bool DenseTiledCompliance<Scalar>::ready(std::span<const Index> rows) const {
   for (const Index row : rows) {
     const std::int64_t t = row / layout_.tile_nodes;
     for (std::int64_t other = 0; other < tiles; ++other)
-      if (!source_->ready(TileLayout::block_index(std::max(t, other), std::min(t, other)))) return false;
+      if (!source_->ready(TileLayout::block_index(std::max(t, other), std::min(t, other))))
+        return false;
   }
   return true;
 }

@@ -17,7 +17,8 @@ namespace {
 
 enum class Role : std::uint8_t { inner, held, fixed };
 
-std::vector<Role> node_roles(Index node_count, std::span<const Index> held, std::span<const Index> fixed) {
+std::vector<Role> node_roles(Index node_count, std::span<const Index> held,
+                             std::span<const Index> fixed) {
   std::vector<Role> roles(node_count, Role::inner);
   for (const Index node : held) roles[node] = Role::held;
   for (const Index node : fixed) roles[node] = Role::fixed;

@@ -10,8 +10,8 @@
 namespace souple {
 
 /// Displacements of the nodes that a compliance does not hold, from those that it does, in the rest
-/// frame: with forces on the held nodes only, A0_ii u_i = -A0_is u_s exactly, so C0_is needs no storage.
-/// Const and shared; apply uses the caller's work vector and allocates nothing.
+/// frame: with forces on the held nodes only, A0_ii u_i = -A0_is u_s exactly, so C0_is needs no
+/// storage. Const and shared; apply uses the caller's work vector and allocates nothing.
 class RestExtension {
  public:
   /// `held`: nodes of the compliance, ascending. `fixed`: nodes that do not move.
@@ -23,8 +23,8 @@ class RestExtension {
   RestExtension& operator=(RestExtension&&) noexcept;
   ~RestExtension();
 
-  /// Fills the entries of the other free nodes of `u` (3 per node of the mesh, rest frame, m) from those
-  /// of the held nodes. `work` has at least work_size() entries.
+  /// Fills the entries of the other free nodes of `u` (3 per node of the mesh, rest frame, m) from
+  /// those of the held nodes. `work` has at least work_size() entries.
   void apply(Eigen::VectorXd& u, Eigen::VectorXd& work) const;
   Eigen::Index work_size() const;
   std::size_t resident_bytes() const;

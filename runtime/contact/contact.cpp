@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/contact/contact.hpp"
 
-
 namespace souple {
 
 Mat3 contact_frame(const Vec3& normal) {

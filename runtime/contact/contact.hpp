@@ -31,18 +31,18 @@ struct Contact {
   ContactKey key;
   ContactSide a, b;
   Mat3 frame = Mat3::Identity();
-  Vec3 point = Vec3::Zero();         ///< on body B at the start of the step, m
-  double gap = 0;                    ///< at the start of the step, m; < 0 penetrates
+  Vec3 point = Vec3::Zero();  ///< on body B at the start of the step, m
+  double gap = 0;             ///< at the start of the step, m; < 0 penetrates
   double friction = 0;
-  Vec3 driven_motion = Vec3::Zero(); ///< of B's point in this step, if B is rigid, m
+  Vec3 driven_motion = Vec3::Zero();  ///< of B's point in this step, if B is rigid, m
 };
 
 /// An orthonormal frame whose first column is the unit vector `normal`.
 Mat3 contact_frame(const Vec3& normal);
 
 /// The contact problem of a step as it was solved; valid until the next step. Contact i has rows 3i
-/// (normal), 3i+1, 3i+2 (tangential) in its frame: gap_after = W force + free_gap, where free_gap is the
-/// gap and slip that no contact force at all would leave.
+/// (normal), 3i+1, 3i+2 (tangential) in its frame: gap_after = W force + free_gap, where free_gap is
+/// the gap and slip that no contact force at all would leave.
 struct ContactProblemView {
   std::span<const Contact> contacts;
   std::span<const double> delassus;  ///< W, row-major (3m) x (3m), m/N

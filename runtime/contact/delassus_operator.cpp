@@ -56,7 +56,8 @@ void add_to_delassus(std::span<const Touch> touches, std::span<const Mat3> frame
   for (std::size_t i = 0, i_end; i < touches.size(); i = i_end) {
     i_end = group_end(touches, i);
     const auto row = std::size_t(touches[i].contact);
-    jacobian_times_compliance(touches.subspan(i, i_end - i), frames[row], compliance, size, row_work.data());
+    jacobian_times_compliance(touches.subspan(i, i_end - i), frames[row], compliance, size,
+                              row_work.data());
     for (std::size_t j = 0, j_end; j <= i; j = j_end) {
       j_end = group_end(touches, j);
       const auto col = std::size_t(touches[j].contact);

@@ -30,7 +30,8 @@ Vec3 local_force(const double* delassus_block, std::size_t stride, const Vec3& g
 // gap += change of contact i's force times its three rows of W (= columns, W being symmetric).
 void add_influence(const double* rows, std::size_t size, const Vec3& change, double* gap) {
   const double *w0 = rows, *w1 = rows + size, *w2 = rows + 2 * size;
-  for (std::size_t k = 0; k < size; ++k) gap[k] += change[0] * w0[k] + change[1] * w1[k] + change[2] * w2[k];
+  for (std::size_t k = 0; k < size; ++k)
+    gap[k] += change[0] * w0[k] + change[1] * w1[k] + change[2] * w2[k];
 }
 
 void evaluate_gap(const FrictionalContactProblem& problem, std::span<const double> force,

@@ -31,8 +31,8 @@ ContactSolveReport solve_frictional_contact(const FrictionalContactProblem& prob
                                             std::span<double> force, std::span<double> gap);
 
 /// Residual of the laws: ||r - P_K(r - rho (u + mu |u_t| n))|| / ||r||, P_K the projection onto the
-/// Coulomb cone, rho_i = 1 / (mean eigenvalue of W_ii). `u` is recomputed as W r + q. 0 if r is zero and
-/// solves the problem; the unscaled norm if r is zero otherwise.
+/// Coulomb cone, rho_i = 1 / (mean eigenvalue of W_ii). `u` is recomputed as W r + q. 0 if r is zero
+/// and solves the problem; the unscaled norm if r is zero otherwise.
 double natural_map_residual(const FrictionalContactProblem& problem, std::span<const double> force);
 
 /// max over contacts of max(|r_t| - mu r_n, -r_n), relative to the largest |r|; 0 without forces.

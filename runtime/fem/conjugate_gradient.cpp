@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/fem/conjugate_gradient.hpp"
 
-
 namespace souple {
 
 ConjugateGradient::ConjugateGradient(Index node_count)
@@ -39,8 +38,8 @@ void ConjugateGradient::precondition(const BlockMatrix& a, const Eigen::VectorXd
 }
 
 ConjugateGradientReport ConjugateGradient::solve(const BlockMatrix& a, const Eigen::VectorXd& b,
-                                                 double tolerance, double reference,
-                                                 int max_iterations, Eigen::VectorXd& x) {
+                                                 double tolerance, double reference, int max_iterations,
+                                                 Eigen::VectorXd& x) {
   ConjugateGradientReport report;
   const double target = tolerance * reference;
   multiply(a, x, product_);

@@ -14,8 +14,8 @@ Issue element_issue(std::size_t tet, const std::string& what) {
 
 Status check_region(const MaterialRegion& region, std::size_t index) {
   const auto refuse = [&](const std::string& what) {
-    return Status(make_issue(IssueCode::material_out_of_range, what,
-                             "material region " + std::to_string(index)));
+    return Status(
+        make_issue(IssueCode::material_out_of_range, what, "material region " + std::to_string(index)));
   };
   if (!(std::isfinite(region.young_pa) && region.young_pa > 0))
     return refuse("Young's modulus is " + std::to_string(region.young_pa) + " Pa");
@@ -35,9 +35,9 @@ Status check_material(const Material& material, std::size_t tet_count) {
   if (!valid_rayleigh(material.rayleigh_mass_per_s) || !valid_rayleigh(material.rayleigh_stiffness_s))
     return make_issue(IssueCode::material_out_of_range, "a Rayleigh factor is negative or not finite");
   if (!material.tet_region.empty() && material.tet_region.size() != tet_count)
-    return make_issue(IssueCode::material_out_of_range,
-                      std::to_string(material.tet_region.size()) + " region indices for " +
-                          std::to_string(tet_count) + " tets");
+    return make_issue(IssueCode::material_out_of_range, std::to_string(material.tet_region.size()) +
+                                                            " region indices for " +
+                                                            std::to_string(tet_count) + " tets");
   for (const Index region : material.tet_region)
     if (region < 0 || std::size_t(region) >= material.regions.size())
       return make_issue(IssueCode::material_out_of_range,
@@ -48,8 +48,8 @@ Status check_material(const Material& material, std::size_t tet_count) {
 Status check_tet(const TetMesh& mesh, std::size_t t) {
   for (const Index node : mesh.tets[t])
     if (node < 0 || std::size_t(node) >= mesh.nodes.size())
-      return element_issue(t, "names node " + std::to_string(node) + " of " +
-                                  std::to_string(mesh.nodes.size()));
+      return element_issue(
+          t, "names node " + std::to_string(node) + " of " + std::to_string(mesh.nodes.size()));
   for (const Index node : mesh.tets[t])
     for (const double coordinate : mesh.nodes[node])
       if (!std::isfinite(coordinate)) return element_issue(t, "has a coordinate that is not finite");
@@ -127,14 +127,16 @@ void CorotationalModel::build_incidence() {
 }
 
 std::size_t CorotationalModel::bytes() const {
-  return rest_.size() * sizeof(Point) + tets_.size() * sizeof(Tet) + elements_.size() * sizeof(Element) +
-         masses_.size() * sizeof(double) + scatter_.size() * sizeof(scatter_[0]) +
+  return rest_.size() * sizeof(Point) + tets_.size() * sizeof(Tet) +
+         elements_.size() * sizeof(Element) + masses_.size() * sizeof(double) +
+         scatter_.size() * sizeof(scatter_[0]) +
          (pattern_.row_begin.size() + pattern_.column.size() + pattern_.diagonal.size() +
           incidence_begin_.size() + incident_tets_.size()) *
              sizeof(Index);
 }
 
-void CorotationalModel::element_rotations(const Eigen::VectorXd& x, std::vector<Mat3>& rotations) const {
+void CorotationalModel::element_rotations(const Eigen::VectorXd& x,
+                                          std::vector<Mat3>& rotations) const {
   rotations.resize(elements_.size());
   for (std::size_t t = 0; t < elements_.size(); ++t) {
     Mat3 f = Mat3::Zero();  // deformation gradient: sum of x_i (grad N_i)^T
@@ -161,9 +163,10 @@ void CorotationalModel::start_assembly(double mass_factor, BlockMatrix& out) con
     out.block(pattern_.diagonal[node]).diagonal().setConstant(mass_factor * masses_[node]);
 }
 
-// Block (i, j) of R K_e R^T is V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I) with g = R grad N.
-void CorotationalModel::add_element(const Element& element, const Gradients& g, double factor, Index tet,
-                                    BlockMatrix& out) const {
+// Block (i, j) of R K_e R^T is V (lambda g_i g_j^T + mu g_j g_i^T + mu (g_i . g_j) I) with g = R grad
+// N.
+void CorotationalModel::add_element(const Element& element, const Gradients& g, double factor,
+                                    Index tet, BlockMatrix& out) const {
   const double lambda = factor * element.volume * element.lame.lambda;
   const double mu = factor * element.volume * element.lame.mu;
   for (int i = 0; i < 4; ++i)
@@ -198,8 +201,8 @@ Eigen::Matrix<double, 3, 4> CorotationalModel::element_forces(Index tet, const E
   const Element& element = elements_[tet];
   Mat3 displacement_gradient = -Mat3::Identity();
   for (int i = 0; i < 4; ++i)
-    displacement_gradient.noalias() += (r.transpose() * node_entry(x, tets_[tet][i])) *
-                                       element.gradients.col(i).transpose();
+    displacement_gradient.noalias() +=
+        (r.transpose() * node_entry(x, tets_[tet][i])) * element.gradients.col(i).transpose();
   const Mat3 strain = 0.5 * (displacement_gradient + displacement_gradient.transpose());
   Mat3 stress = 2 * element.lame.mu * strain;
   stress.diagonal().array() += element.lame.lambda * strain.trace();

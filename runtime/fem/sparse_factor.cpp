@@ -13,7 +13,7 @@ using Factor = Eigen::SimplicialLLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int
 }  // namespace
 
 struct SparseFactor::State {
-  Sparse matrix;  ///< lower triangle of the part, columns compressed
+  Sparse matrix;                              ///< lower triangle of the part, columns compressed
   std::vector<std::pair<Index, int>> origin;  ///< of every non-zero: block and entry of the full matrix
   Factor factor;
 };

@@ -35,13 +35,15 @@ Status check_pose(const Pose& pose, const std::string& where) {
 
 Status check_settings(const WorldSettings& s) {
   if (!in_range(s.time_step_s, 1e-7, 10))
-    return refuse("time step " + std::to_string(s.time_step_s) + " s is outside [1e-7, 10]", "time_step_s");
+    return refuse("time step " + std::to_string(s.time_step_s) + " s is outside [1e-7, 10]",
+                  "time_step_s");
   if (!within(s.gravity_m_s2, largest_rate)) return refuse("gravity is out of range", "gravity");
   if (!in_range(s.friction, 0, largest_friction))
     return refuse("friction " + std::to_string(s.friction) + " is outside [0, 10]", "friction");
   if (!in_range(s.alarm_distance_m, 0, largest_length))
     return refuse("the alarm distance is out of range", "alarm_distance_m");
-  if (!in_range(s.contact_passes, 1, 20)) return refuse("contact passes must be in [1, 20]", "contact_passes");
+  if (!in_range(s.contact_passes, 1, 20))
+    return refuse("contact passes must be in [1, 20]", "contact_passes");
   if (!in_range(s.contact_solver.tolerance, 0, 1) || !in_range(s.contact_solver.max_sweeps, 1, 1e6))
     return refuse("tolerance must be in [0, 1] and sweeps in [1, 1e6]", "contact solver");
   if (!in_range(s.free_motion.tolerance, 0, 1) || !in_range(s.free_motion.max_iterations, 1, 1e6))
@@ -75,8 +77,8 @@ Status hold_fixed_set(SoftBody& body, const std::string& fixed_set) {
   if (!fixed_set.empty()) {
     const FixedSet* set = body.asset->find_fixed_set(fixed_set);
     if (!set)
-      return make_issue(IssueCode::fixed_set_invalid, "the asset has no fixed set \"" + fixed_set + "\"",
-                        body.name);
+      return make_issue(IssueCode::fixed_set_invalid,
+                        "the asset has no fixed set \"" + fixed_set + "\"", body.name);
     for (const Index node : set->nodes) body.is_fixed[node] = 1;
   }
   for (std::size_t node = 0; node < body.is_fixed.size(); ++node)
@@ -84,7 +86,8 @@ Status hold_fixed_set(SoftBody& body, const std::string& fixed_set) {
   return {};
 }
 
-Status prepare_contact_method(SoftBody& body, const WorldSettings& settings, const std::string& fixed_set) {
+Status prepare_contact_method(SoftBody& body, const WorldSettings& settings,
+                              const std::string& fixed_set) {
   const CorotationalModel& model = body.asset->model();
   const double h = settings.time_step_s;
   if (settings.contact_method == ContactMethod::exact) {
@@ -102,8 +105,8 @@ Status prepare_contact_method(SoftBody& body, const WorldSettings& settings, con
       held += (held.empty() ? "" : ", ") + c.header.name + " (time step " +
               std::to_string(c.header.time_step_s) + " s, fixed \"" + c.header.fixed_set + "\")";
     return make_issue(IssueCode::scene_no_matching_compliance,
-                      "no compliance for time step " + std::to_string(h) + " s and fixed set \"" + fixed_set +
-                          "\"; the asset holds " + (held.empty() ? "none" : held),
+                      "no compliance for time step " + std::to_string(h) + " s and fixed set \"" +
+                          fixed_set + "\"; the asset holds " + (held.empty() ? "none" : held),
                       body.name);
   }
   body.compliance_scale = body.compliance->header.stiffness_factor / stiffness_factor;
@@ -120,8 +123,9 @@ void place_soft_body(SoftBody& body, const SoftBodyDescription& d) {
     centre += model.masses()[node] / model.total_mass() * node_entry(body.x, node);
   }
   for (const Index node : body.free_nodes)
-    node_entry(body.v, node) = as_vec3(d.velocity_m_s) + as_vec3(d.angular_velocity_rad_s)
-                                                             .cross(node_entry(body.x, node) - centre);
+    node_entry(body.v, node) =
+        as_vec3(d.velocity_m_s) +
+        as_vec3(d.angular_velocity_rad_s).cross(node_entry(body.x, node) - centre);
 }
 
 }  // namespace souple

@@ -16,7 +16,8 @@ Status check_rigid_body(const RigidBodyDescription& description);
 Status hold_fixed_set(SoftBody& body, const std::string& fixed_set);
 /// Chooses the compliance, or prepares the factor of the exact method, and the work space.
 /// Issue scene_no_matching_compliance, listing what the asset has.
-Status prepare_contact_method(SoftBody& body, const WorldSettings& settings, const std::string& fixed_set);
+Status prepare_contact_method(SoftBody& body, const WorldSettings& settings,
+                              const std::string& fixed_set);
 /// Positions and velocities of the rest shape under the description's pose and rigid velocity.
 void place_soft_body(SoftBody& body, const SoftBodyDescription& description);
 

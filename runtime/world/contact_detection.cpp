@@ -7,7 +7,8 @@ namespace souple {
 namespace {
 
 constexpr int depth_divisions = 10;
-// A contact whose normals point the same way joins the back of a thin part to the front of another body.
+// A contact whose normals point the same way joins the back of a thin part to the front of another
+// body.
 constexpr double same_side_cosine = 0.3;
 // How deep a node inside another body is still found, relative to that body's longest side.
 constexpr double inside_reach = 0.05;
@@ -21,12 +22,13 @@ ContactSide node_side(std::uint32_t body, Index node) {
   return side;
 }
 
-double triangle_box_depth(const RigidShape& shape, const RigidPlacement& at, const Vec3& a, const Vec3& b,
-                          const Vec3& c) {
+double triangle_box_depth(const RigidShape& shape, const RigidPlacement& at, const Vec3& a,
+                          const Vec3& b, const Vec3& c) {
   double depth = 0;
   for (int i = 0; i <= depth_divisions; ++i)
     for (int j = 0; i + j <= depth_divisions; ++j) {
-      const Vec3 point = a + (double(i) / depth_divisions) * (b - a) + (double(j) / depth_divisions) * (c - a);
+      const Vec3 point =
+          a + (double(i) / depth_divisions) * (b - a) + (double(j) / depth_divisions) * (c - a);
       depth = std::max(depth, -signed_distance(shape, at, point).distance);
     }
   return depth;
@@ -35,7 +37,8 @@ double triangle_box_depth(const RigidShape& shape, const RigidPlacement& at, con
 }  // namespace
 
 Vec3 RigidStep::motion_of(const Vec3& point) const {
-  return end.rotation * (start.rotation.transpose() * (point - start.translation)) + end.translation - point;
+  return end.rotation * (start.rotation.transpose() * (point - start.translation)) + end.translation -
+         point;
 }
 
 void detect_soft_rigid(std::uint32_t soft_index, const SoftBody& soft, std::uint32_t rigid_index,
@@ -59,8 +62,8 @@ void detect_soft_rigid(std::uint32_t soft_index, const SoftBody& soft, std::uint
   }
 }
 
-void detect_soft_soft(std::uint32_t a_index, const SoftBody& a, std::uint32_t b_index, const SoftBody& b,
-                      const PairSettings& settings, std::vector<Contact>& contacts) {
+void detect_soft_soft(std::uint32_t a_index, const SoftBody& a, std::uint32_t b_index,
+                      const SoftBody& b, const PairSettings& settings, std::vector<Contact>& contacts) {
   const double radius = settings.alarm_distance_m + inside_reach * b.asset->longest_side_m();
   Eigen::AlignedBox3d reach = b.surface.bounds();
   reach.min().array() -= radius;

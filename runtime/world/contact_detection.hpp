@@ -30,8 +30,8 @@ void detect_soft_rigid(std::uint32_t soft_index, const SoftBody& soft, std::uint
 /// Appends a contact for every surface node of `a` and its nearest triangle of `b`, if closer than the
 /// alarm distance; both surfaces have been refitted. Nodes inside `b` are found to a depth of 5 % of
 /// its longest side.
-void detect_soft_soft(std::uint32_t a_index, const SoftBody& a, std::uint32_t b_index, const SoftBody& b,
-                      const PairSettings& settings, std::vector<Contact>& contacts);
+void detect_soft_soft(std::uint32_t a_index, const SoftBody& a, std::uint32_t b_index,
+                      const SoftBody& b, const PairSettings& settings, std::vector<Contact>& contacts);
 
 /// How deep the deformed surface of `soft` enters a rigid body, m, >= 0: exact for planes and spheres,
 /// sampled on a grid of 10 divisions of each triangle for boxes.

@@ -5,7 +5,8 @@
 
 namespace souple {
 
-void BodyContacts::collect(std::uint32_t index, const SoftBody& body, std::span<const Contact> contacts) {
+void BodyContacts::collect(std::uint32_t index, const SoftBody& body,
+                           std::span<const Contact> contacts) {
   touches_.clear();
   nodes_.clear();
   for (std::size_t i = 0; i < contacts.size(); ++i)
@@ -98,7 +99,8 @@ void BodyContacts::correct_warped(SoftBody& body, std::span<const Mat3> frames,
         Eigen::Map<const Vec3>(rest_motion_.data() + 3 * row);
   compliance.extension.apply(body.rest_frame, body.work);
   for (Index node = 0; node < body.asset->model().node_count(); ++node)
-    node_entry(body.motion, node).noalias() += body.node_rotations[node] * node_entry(body.rest_frame, node);
+    node_entry(body.motion, node).noalias() +=
+        body.node_rotations[node] * node_entry(body.rest_frame, node);
 }
 
 void BodyContacts::correct_exact(SoftBody& body, std::span<const Mat3> frames,

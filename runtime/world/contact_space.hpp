@@ -25,9 +25,11 @@ class BodyContacts {
   void add_to(std::span<const Mat3> frames, std::size_t contact_count, std::span<double> delassus);
 
   /// load += H^T f, f in contact frames (3 per contact).
-  void add_forces(std::span<const Mat3> frames, std::span<const double> force, Eigen::VectorXd& load) const;
+  void add_forces(std::span<const Mat3> frames, std::span<const double> force,
+                  Eigen::VectorXd& load) const;
   /// gap += H dx.
-  void add_motion(std::span<const Mat3> frames, const Eigen::VectorXd& motion, std::span<double> gap) const;
+  void add_motion(std::span<const Mat3> frames, const Eigen::VectorXd& motion,
+                  std::span<double> gap) const;
   /// motion += C H^T f with the same compliance that W was built from, on all nodes.
   void correct_warped(SoftBody& body, std::span<const Mat3> frames, std::span<const double> force);
   void correct_exact(SoftBody& body, std::span<const Mat3> frames, std::span<const double> force) const;

@@ -37,8 +37,8 @@ struct FreeMotionSettings {
 struct WorldSettings {
   double time_step_s = 0.01;
   Point gravity_m_s2{0, 0, -9.81};
-  double friction = 0.4;         ///< Coulomb coefficient of every pair, in [0, 10]
-  double alarm_distance_m = 0;   ///< contacts are built below this gap; 0: chosen from size and speed
+  double friction = 0.4;        ///< Coulomb coefficient of every pair, in [0, 10]
+  double alarm_distance_m = 0;  ///< contacts are built below this gap; 0: chosen from size and speed
   ContactMethod contact_method = ContactMethod::warped;
   bool feed_forward_forces = true;  ///< last step's forces enter the free motion (METHOD 4.2)
   /// Contact solves in a step, 1 to 20. Each further one first makes the motion exact for the forces so

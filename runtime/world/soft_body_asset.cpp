@@ -36,7 +36,8 @@ Result<std::shared_ptr<const SoftBodyAsset>> SoftBodyAsset::create(SoftBodyConte
   const Index node_count = asset->model_.node_count();
   if (auto status = check_boundary(content.level.boundary, node_count); !status) return status.issue();
   for (const auto& set : content.fixed_sets)
-    if (auto status = check_nodes(set.nodes, node_count, IssueCode::fixed_set_invalid, set.name); !status)
+    if (auto status = check_nodes(set.nodes, node_count, IssueCode::fixed_set_invalid, set.name);
+        !status)
       return status.issue();
   asset->surface_ = SurfaceTree(asset->model_.rest_positions(), std::move(content.level.boundary));
   asset->fixed_sets_ = std::move(content.fixed_sets);
@@ -67,8 +68,8 @@ Status SoftBodyAsset::add_compliance(SoftBodyContent::Variant variant) {
   auto extension = RestExtension::create(model_, variant.header.mass_factor,
                                          variant.header.stiffness_factor, variant.nodes, fixed);
   if (!extension) return extension.issue();
-  BodyCompliance body{std::move(variant.header), std::move(variant.nodes), {}, std::move(*rest),
-                      std::move(*extension)};
+  BodyCompliance body{
+      std::move(variant.header), std::move(variant.nodes), {}, std::move(*rest), std::move(*extension)};
   body.row_of_node.assign(node_count, -1);
   for (std::size_t row = 0; row < body.nodes.size(); ++row)
     body.row_of_node[body.nodes[row]] = static_cast<Index>(row);

@@ -8,7 +8,7 @@ namespace souple {
 struct PhaseTimes {
   double free_motion_s = 0;  ///< rotations, assembly, PCG
   double collision_s = 0;
-  double compliance_s = 0;   ///< Delassus operator
+  double compliance_s = 0;  ///< Delassus operator
   double contact_solve_s = 0;
   double correction_s = 0;
   double total_s = 0;
@@ -17,8 +17,8 @@ struct PhaseTimes {
 /// What one step did and how well the laws are met, measured outside the solvers after the step.
 struct StepReport {
   PhaseTimes times;
-  std::size_t contact_count = 0;     ///< pairs that entered the contact problem
-  std::size_t active_count = 0;      ///< of these, carrying force
+  std::size_t contact_count = 0;  ///< pairs that entered the contact problem
+  std::size_t active_count = 0;   ///< of these, carrying force
   int contact_sweeps = 0;
   double contact_residual = 0;       ///< natural map, rho_i = 1 / mean eigenvalue of W_ii, over ||f||
   int free_motion_iterations = 0;    ///< summed over bodies
@@ -28,7 +28,7 @@ struct StepReport {
   double cone_violation = 0;         ///< max (|f_t| - mu f_n) / max |f|
   double kinetic_energy_j = 0;
   double elastic_energy_j = 0;
-  double potential_energy_j = 0;     ///< of gravity, from the origin
+  double potential_energy_j = 0;  ///< of gravity, from the origin
 };
 
 }  // namespace souple

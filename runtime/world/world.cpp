@@ -100,7 +100,8 @@ double World::State::alarm_distance(const SoftBody& soft_body, double other_spee
 
 double World::State::rigid_speed(const RigidStep& step, const SoftBody& soft_body) const {
   Eigen::AlignedBox3d box;
-  for (const Index node : soft_body.asset->surface().nodes()) box.extend(Vec3(node_entry(soft_body.x, node)));
+  for (const Index node : soft_body.asset->surface().nodes())
+    box.extend(Vec3(node_entry(soft_body.x, node)));
   double motion = 0;
   for (int k = 0; k < 8; ++k)
     motion = std::max(motion, step.motion_of(box.corner(Eigen::AlignedBox3d::CornerType(k))).norm());
@@ -114,13 +115,14 @@ void World::State::detect() {
   for (const auto a : soft_indices) {
     for (const auto b : rigid_indices) {
       const double speed = rigid_speed(rigid_steps[b], soft(a));
-      detect_soft_rigid(a, soft(a), b, rigid_steps[b], {alarm_distance(soft(a), speed), settings.friction},
-                        contacts);
+      detect_soft_rigid(a, soft(a), b, rigid_steps[b],
+                        {alarm_distance(soft(a), speed), settings.friction}, contacts);
     }
     for (const auto b : soft_indices)
       if (a != b)
         detect_soft_soft(a, soft(a), b, soft(b),
-                         {alarm_distance(soft(a), soft(b).largest_speed()), settings.friction}, contacts);
+                         {alarm_distance(soft(a), soft(b).largest_speed()), settings.friction},
+                         contacts);
   }
   std::ranges::sort(contacts, {}, &Contact::key);
   describe_contacts();
@@ -176,8 +178,8 @@ double World::State::normal_motion(std::size_t contact) const {
 }
 
 // The alarm distance covers whatever a step may bring; after the free motion most of those contacts are
-// known to stay apart. Kept are those that carry force, and those that end so near that the correction may
-// close them: stopping a body changes the motion of a step by about as much as the body moved.
+// known to stay apart. Kept are those that carry force, and those that end so near that the correction
+// may close them: stopping a body changes the motion of a step by about as much as the body moved.
 void World::State::discard_distant() {
   double moved = 0;
   if (!contacts.empty())
@@ -216,8 +218,8 @@ Status World::State::build_delassus() {
       body.evaluate_exact(soft(index));
     } else {
       if (!body.ready(soft(index)))
-        return make_issue(IssueCode::step_not_finite, "compliance blocks of the contacts are not loaded",
-                          soft(index).name);
+        return make_issue(IssueCode::step_not_finite,
+                          "compliance blocks of the contacts are not loaded", soft(index).name);
       body.evaluate_warped(soft(index));
     }
     body.add_to(frames, contacts.size(), delassus);
@@ -277,7 +279,8 @@ Status World::State::solve_contacts(StepReport& report, PhaseClock& clock) {
     report.times.free_motion_s += pass > 0 ? clock.lap() : 0;
     build_free_gap();
     report.times.compliance_s += clock.lap();
-    report.contact_sweeps += solve_frictional_contact(problem(), settings.contact_solver, force, gap).sweeps;
+    report.contact_sweeps +=
+        solve_frictional_contact(problem(), settings.contact_solver, force, gap).sweeps;
     report.times.contact_solve_s += clock.lap();
     correct();
     report.times.correction_s += clock.lap();
@@ -289,7 +292,8 @@ Status World::State::solve_contacts(StepReport& report, PhaseClock& clock) {
 Status World::State::commit() {
   for (const auto index : soft_indices)
     if (!soft(index).motion.allFinite())
-      return make_issue(IssueCode::step_not_finite, "the motion of a step is not finite", soft(index).name);
+      return make_issue(IssueCode::step_not_finite, "the motion of a step is not finite",
+                        soft(index).name);
   for (const auto index : soft_indices) {
     SoftBody& body = soft(index);
     body.x += body.motion;
@@ -322,7 +326,8 @@ void World::State::measure(StepReport& report) {
     }
   }
   for (std::size_t i = 0; i < contacts.size(); ++i)
-    if (contacts[i].b.count > 0) report.worst_penetration_m = std::max(report.worst_penetration_m, -gap[3 * i]);
+    if (contacts[i].b.count > 0)
+      report.worst_penetration_m = std::max(report.worst_penetration_m, -gap[3 * i]);
   report.worst_surface_depth_m = std::max(report.worst_surface_depth_m, report.worst_penetration_m);
 }
 
@@ -357,8 +362,8 @@ Result<BodyId> World::add_rigid_body(const RigidBodyDescription& description) {
   if (auto status = check_rigid_body(description); !status) return status.issue();
   State& s = *state_;
   const auto index = static_cast<std::uint32_t>(s.bodies.size());
-  s.bodies.push_back(std::make_unique<State::Body>(
-      RigidBody{description.name, description.shape, description.path}));
+  s.bodies.push_back(
+      std::make_unique<State::Body>(RigidBody{description.name, description.shape, description.path}));
   s.rigid_indices.push_back(index);
   s.body_contacts.resize(s.bodies.size());
   s.rigid_steps.resize(s.bodies.size());
@@ -400,7 +405,9 @@ bool World::is_soft(BodyId body) const {
   return std::holds_alternative<SoftBody>(*state_->bodies[body.index]);
 }
 
-const SoftBodyAsset& World::asset(BodyId soft_body) const { return *state_->soft(soft_body.index).asset; }
+const SoftBodyAsset& World::asset(BodyId soft_body) const {
+  return *state_->soft(soft_body.index).asset;
+}
 
 std::span<const Point> World::positions(BodyId soft_body) const {
   return as_points(state_->soft(soft_body.index).x);
@@ -419,7 +426,8 @@ Status World::set_state(BodyId soft_body, std::span<const Point> positions,
   SoftBody& body = state_->soft(soft_body.index);
   const auto count = std::size_t(body.asset->model().node_count());
   if (positions.size() != count || velocities.size() != count)
-    return make_issue(IssueCode::world_parameter_invalid, "a state needs one entry per node", body.name);
+    return make_issue(IssueCode::world_parameter_invalid, "a state needs one entry per node",
+                      body.name);
   for (const auto* points : {&positions, &velocities})
     for (const Point& p : *points)
       if (!as_vec3(p).allFinite())
@@ -431,13 +439,35 @@ Status World::set_state(BodyId soft_body, std::span<const Point> positions,
   return {};
 }
 
+Status World::copy_state(const World& other) {
+  State& to = *state_;
+  const State& from = *other.state_;
+  bool same = to.soft_indices == from.soft_indices && to.rigid_indices == from.rigid_indices;
+  for (std::size_t k = 0; same && k < to.soft_indices.size(); ++k)
+    same = to.soft(to.soft_indices[k]).x.size() == from.soft(from.soft_indices[k]).x.size();
+  if (!same)
+    return make_issue(IssueCode::world_parameter_invalid, "the worlds do not hold the same bodies");
+  for (const auto index : to.soft_indices) {
+    to.soft(index).x = from.soft(index).x;
+    to.soft(index).v = from.soft(index).v;
+  }
+  to.last_keys = from.last_keys;
+  to.last_forces = from.last_forces;
+  to.time = from.time;
+  return {};
+}
+
 std::vector<ContactRecord> World::contacts() const {
   const State& s = *state_;
   std::vector<ContactRecord> records;
   for (std::size_t i = 0; i < s.contacts.size(); ++i) {
     const Contact& c = s.contacts[i];
     const Vec3 f = s.frames[i] * Eigen::Map<const Vec3>(s.force.data() + 3 * i);
-    records.push_back({{c.a.body}, {c.b.body}, as_point(c.point), as_point(c.frame.col(0)), as_point(f),
+    records.push_back({{c.a.body},
+                       {c.b.body},
+                       as_point(c.point),
+                       as_point(c.frame.col(0)),
+                       as_point(f),
                        s.gap[3 * i]});
   }
   return records;

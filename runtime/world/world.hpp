@@ -24,7 +24,7 @@ struct BodyId {
 struct ContactRecord {
   BodyId body_a, body_b;
   Point point_m{};
-  Point normal{};   ///< unit, from B to A
+  Point normal{};  ///< unit, from B to A
   Point force_n{};
   double gap_m = 0;  ///< after the step; < 0 penetrates
 };
@@ -58,7 +58,13 @@ class World {
   std::span<const Point> velocities(BodyId soft_body) const;  ///< m/s
   Pose rigid_pose(BodyId rigid_body) const;
   /// Replaces the state of a soft body. Issue world_parameter_invalid (sizes, finiteness).
-  Status set_state(BodyId soft_body, std::span<const Point> positions, std::span<const Point> velocities);
+  Status set_state(BodyId soft_body, std::span<const Point> positions,
+                   std::span<const Point> velocities);
+
+  /// Takes over time, positions, velocities and contact forces of a world with the same bodies, which
+  /// may have other settings: the same history, another method. Issue world_parameter_invalid,
+  /// unchanged.
+  Status copy_state(const World& other);
 
   std::vector<ContactRecord> contacts() const;  ///< of the last step; allocates
   /// The contact problem of the last step (W, free gap, friction, forces, frames).

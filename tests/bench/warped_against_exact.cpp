@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Warped against exact compliance: the shape error of the drop scene, and W and forces of a turned body.
+// Warped against exact compliance: the shape error of the drop scene, and W and forces of a turned
+// body.
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -87,10 +88,7 @@ double compare_rest(const std::shared_ptr<const SoftBodyAsset>& liver) {
   DropScene exact = make_drop(liver, settings_with(ContactMethod::exact));
   for (int k = 0; k < 400; ++k) value_or_exit(exact.world.step());
   DropScene warped = make_drop(liver, settings_with(ContactMethod::warped));
-  if (auto status = warped.world.set_state(warped.body, exact.world.positions(exact.body),
-                                           exact.world.velocities(exact.body));
-      !status)
-    exit_with(status.issue());
+  if (auto status = warped.world.copy_state(exact.world); !status) exit_with(status.issue());
   for (int k = 0; k < 600; ++k) {
     value_or_exit(exact.world.step());
     value_or_exit(warped.world.step());
@@ -103,10 +101,12 @@ struct TurnedError {
 };
 
 // One step of the turned rest shape pressed 2 mm into the floor, both ways.
-TurnedError compare_turned(const std::shared_ptr<const SoftBodyAsset>& liver, double degrees, const Vec3& axis) {
+TurnedError compare_turned(const std::shared_ptr<const SoftBodyAsset>& liver, double degrees,
+                           const Vec3& axis) {
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.normalized()));
   double lowest = INFINITY;
-  for (const Point& p : liver->model().rest_positions()) lowest = std::min(lowest, (turn * as_vec3(p)).z());
+  for (const Point& p : liver->model().rest_positions())
+    lowest = std::min(lowest, (turn * as_vec3(p)).z());
   std::vector<double> delassus[2], force[2];
   for (const auto method : {ContactMethod::warped, ContactMethod::exact}) {
     WorldSettings settings;

@@ -118,7 +118,7 @@ fs::path baked_liver() {
   fs::create_directories(folder);
   const fs::path recipe = folder / ("liver-" + std::to_string(::getpid()) + ".toml");
   std::ofstream(recipe) << "[surface]\nfile = \"" << surface("liver-smooth.obj").string()
-                        << "\"\nsize_m = 0.2\n[mesh]\ntets = 1000\n"
+                        << "\"\nsize_m = 0.2\n[mesh]\ntets = 1000\nlevels = 2\n"
                            "[[fixed]]\nname = \"low\"\nplane = {point=[0,0,-0.03], normal=[0,0,1]}\n"
                            "[[fixed]]\nname = \"unused\"\nnearest = {point=[0,0,0], count=4}\n"
                            "[[compliance]]\nname = \"free\"\n"

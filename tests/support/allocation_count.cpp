@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Counts every heap allocation of the process: malloc itself is wrapped, because Eigen calls it directly.
+// Counts every heap allocation of the process: malloc itself is wrapped, because Eigen calls it
+// directly.
 #include "tests/support/allocation_count.hpp"
 
 #include <atomic>

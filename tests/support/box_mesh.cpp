@@ -12,8 +12,8 @@ TetMesh box_mesh(const std::array<int, 3>& cells, const Point& origin, const Poi
   for (int k = 0; k <= nz; ++k)
     for (int j = 0; j <= ny; ++j)
       for (int i = 0; i <= nx; ++i)
-        mesh.nodes.push_back({origin[0] + size[0] * i / nx, origin[1] + size[1] * j / ny,
-                              origin[2] + size[2] * k / nz});
+        mesh.nodes.push_back(
+            {origin[0] + size[0] * i / nx, origin[1] + size[1] * j / ny, origin[2] + size[2] * k / nz});
   // Six paths from corner 000 to 111; even permutations of the axes are positively oriented.
   static constexpr int paths[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
   for (int k = 0; k < nz; ++k)

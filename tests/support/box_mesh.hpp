@@ -6,7 +6,8 @@
 
 namespace souple::test {
 
-/// An axis-aligned box of cells split into 6 tets each (Kuhn), lower corner at `origin`, sides `size` m.
+/// An axis-aligned box of cells split into 6 tets each (Kuhn), lower corner at `origin`, sides `size`
+/// m.
 TetMesh box_mesh(const std::array<int, 3>& cells, const Point& origin, const Point& size);
 
 /// The same with interior nodes moved at random (fixed seed) by up to `amount` of a cell.
@@ -17,6 +18,7 @@ TetMesh irregular_box_mesh(const std::array<int, 3>& cells, const Point& origin,
 MeshLevel level_of(TetMesh mesh);
 
 /// One region, no damping unless given.
-Material material_of(double young_pa, double poisson, double density, double alpha = 0, double beta = 0);
+Material material_of(double young_pa, double poisson, double density, double alpha = 0,
+                     double beta = 0);
 
 }  // namespace souple::test

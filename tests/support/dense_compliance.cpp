@@ -16,7 +16,8 @@ Eigen::Matrix<double, 6, 12> strain_displacement(const TetMesh& mesh, const Tet&
   Eigen::Matrix4d corners;
   for (int i = 0; i < 4; ++i) {
     corners(i, 0) = 1;
-    for (int k = 0; k < 3; ++k) corners(i, k + 1) = mesh.nodes[std::size_t(tet[std::size_t(i)])][std::size_t(k)];
+    for (int k = 0; k < 3; ++k)
+      corners(i, k + 1) = mesh.nodes[std::size_t(tet[std::size_t(i)])][std::size_t(k)];
   }
   volume = corners.determinant() / 6;
   const Eigen::Matrix4d coefficients = corners.inverse();  // column i: 1, x, y, z coefficients of N_i
@@ -45,8 +46,8 @@ ComplianceVariant to_variant(const Eigen::MatrixXd& full, const std::vector<Inde
     for (std::int64_t j = 0; j < 3 * layout.node_count; ++j) {
       const std::int64_t stride = 3 * tile_nodes, ti = i / stride, tj = j / stride;
       if (tj > ti) continue;
-      tiles[std::size_t(TileLayout::block_index(ti, tj) * layout.block_scalars() + (i % stride) * stride +
-                        j % stride)] =
+      tiles[std::size_t(TileLayout::block_index(ti, tj) * layout.block_scalars() +
+                        (i % stride) * stride + j % stride)] =
           full(3 * nodes[std::size_t(i / 3)] + i % 3, 3 * nodes[std::size_t(j / 3)] + j % 3);
     }
   variant.payload.resize(tiles.size() * sizeof(double));
@@ -115,9 +116,11 @@ SoftBodyContent make_content(TetMesh mesh, const Material& material, double time
   const double mass_factor =
       1 / (time_step_s * time_step_s) + material.rayleigh_mass_per_s / time_step_s;
   const double stiffness_factor = 1 + material.rayleigh_stiffness_s / time_step_s;
-  const auto full = dense_compliance(content.level.mesh, material, mass_factor, stiffness_factor, fixed);
+  const auto full =
+      dense_compliance(content.level.mesh, material, mass_factor, stiffness_factor, fixed);
   std::vector<Index> nodes = used_nodes(content.level.boundary);
-  std::erase_if(nodes, [&](Index n) { return std::find(fixed.begin(), fixed.end(), n) != fixed.end(); });
+  std::erase_if(nodes,
+                [&](Index n) { return std::find(fixed.begin(), fixed.end(), n) != fixed.end(); });
   ComplianceVariant variant = to_variant(full, nodes);
   variant.header.name = "test";
   variant.header.time_step_s = time_step_s;
@@ -131,8 +134,8 @@ SoftBodyContent make_content(TetMesh mesh, const Material& material, double time
   return content;
 }
 
-std::shared_ptr<const SoftBodyAsset> make_body(TetMesh mesh, const Material& material, double time_step_s,
-                                               std::vector<FixedSet> fixed_sets,
+std::shared_ptr<const SoftBodyAsset> make_body(TetMesh mesh, const Material& material,
+                                               double time_step_s, std::vector<FixedSet> fixed_sets,
                                                const std::string& fixed_set) {
   auto body = SoftBodyAsset::create(
       make_content(std::move(mesh), material, time_step_s, std::move(fixed_sets), fixed_set));

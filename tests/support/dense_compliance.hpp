@@ -20,7 +20,8 @@ Eigen::MatrixXd dense_compliance(const TetMesh& mesh, const Material& material, 
                                  double stiffness_factor, const std::vector<Index>& fixed);
 
 /// A body with one dynamic compliance for the time step, in double, from dense_compliance.
-std::shared_ptr<const SoftBodyAsset> make_body(TetMesh mesh, const Material& material, double time_step_s,
+std::shared_ptr<const SoftBodyAsset> make_body(TetMesh mesh, const Material& material,
+                                               double time_step_s,
                                                std::vector<FixedSet> fixed_sets = {},
                                                const std::string& fixed_set = {});
 

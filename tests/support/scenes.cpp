@@ -84,8 +84,12 @@ Vec3 mass_mean(const World& world, BodyId body, std::span<const Point> values) {
 
 }  // namespace
 
-Vec3 centre_of_mass(const World& world, BodyId body) { return mass_mean(world, body, world.positions(body)); }
-Vec3 mean_velocity(const World& world, BodyId body) { return mass_mean(world, body, world.velocities(body)); }
+Vec3 centre_of_mass(const World& world, BodyId body) {
+  return mass_mean(world, body, world.positions(body));
+}
+Vec3 mean_velocity(const World& world, BodyId body) {
+  return mass_mean(world, body, world.velocities(body));
+}
 
 Vec3 contact_force(const World& world, BodyId body) {
   Vec3 sum = Vec3::Zero();

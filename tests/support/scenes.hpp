@@ -14,7 +14,8 @@ World make_world(const WorldSettings& settings);
 BodyId add_soft(World& world, std::shared_ptr<const SoftBodyAsset> asset, const Vec3& position,
                 const Mat3& rotation = Mat3::Identity(), const Vec3& velocity = Vec3::Zero(),
                 const std::string& fixed_set = {});
-BodyId add_plane(World& world, const Mat3& rotation = Mat3::Identity(), const Vec3& point = Vec3::Zero());
+BodyId add_plane(World& world, const Mat3& rotation = Mat3::Identity(),
+                 const Vec3& point = Vec3::Zero());
 BodyId add_sphere(World& world, double radius, const Vec3& centre);
 BodyId add_box(World& world, const Point& half_extents, const Vec3& centre,
                const Mat3& rotation = Mat3::Identity());

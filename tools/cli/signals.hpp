@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <csignal>
 
 namespace souple {
@@ -8,7 +9,9 @@ namespace souple {
 void report_write_limits_as_errors();
 
 /// Holds SIGINT, SIGTERM and SIGHUP back while a file is written, so that its temporary copy never
-/// stays behind; they arrive at the end of the scope.
+/// stays behind; the last of them arrives at the end of the scope. By handlers and not by a mask: a
+/// mask is one thread's, and a signal to the process goes to any worker of a library that does not
+/// block it.
 class HeldSignals {
  public:
   HeldSignals();
@@ -17,7 +20,7 @@ class HeldSignals {
   HeldSignals& operator=(const HeldSignals&) = delete;
 
  private:
-  sigset_t before_;
+  std::array<struct sigaction, 3> before_;
 };
 
 /// From here on the first SIGINT or SIGTERM only raises a flag; the second one ends the process.

@@ -13,6 +13,7 @@ Json settings_json(const WorldSettings& s) {
           {"feed_forward_forces", s.feed_forward_forces},
           {"contact_tolerance", s.contact_solver.tolerance},
           {"contact_max_sweeps", s.contact_solver.max_sweeps},
+          {"contact_passes", s.contact_passes},
           {"solver_tolerance", s.free_motion.tolerance},
           {"solver_max_iterations", s.free_motion.max_iterations}};
 }

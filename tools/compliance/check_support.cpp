@@ -14,7 +14,9 @@ constexpr double collinear_sine = 1e-6;
 
 class DisjointSets {
  public:
-  explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  explicit DisjointSets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
   Index root(Index i) {
     while (parent_[std::size_t(i)] != i)
       i = parent_[std::size_t(i)] = parent_[std::size_t(parent_[std::size_t(i)])];
@@ -65,9 +67,10 @@ Status check_static_support(const TetMesh& mesh, const FixedSet* fixed) {
       held[std::size_t(parts.root(node))].push_back(as_vec3(mesh.nodes[std::size_t(node)]));
   for (std::size_t node = 0; node < mesh.nodes.size(); ++node)
     if (parts.root(Index(node)) == Index(node) && !spans_a_plane(held[node]))
-      return make_issue(IssueCode::compliance_singular,
-                        "the part of the mesh that holds node " + std::to_string(node) + " can move freely",
-                        fixed ? "fixed set \"" + fixed->name + "\"" : "no fixed set");
+      return make_issue(
+          IssueCode::compliance_singular,
+          "the part of the mesh that holds node " + std::to_string(node) + " can move freely",
+          fixed ? "fixed set \"" + fixed->name + "\"" : "no fixed set");
   return {};
 }
 

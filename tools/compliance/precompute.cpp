@@ -24,12 +24,12 @@ constexpr std::size_t worker_count = 2;
 /// What the columns are solved for and where they go.
 struct Task {
   const BlockMatrix* a0 = nullptr;
-  std::vector<Index> free_nodes;     ///< of the mesh, ascending: the unknowns
-  std::vector<Index> unknown;        ///< of every mesh node, -1 if fixed
-  std::vector<Index> surface;        ///< nodes of the compliance, ascending
+  std::vector<Index> free_nodes;  ///< of the mesh, ascending: the unknowns
+  std::vector<Index> unknown;     ///< of every mesh node, -1 if fixed
+  std::vector<Index> surface;     ///< nodes of the compliance, ascending
   TileLayout layout;
-  std::vector<double> tiles;         ///< result: the lower triangle
-  std::vector<double> tile_residual; ///< worst column of every tile column
+  std::vector<double> tiles;          ///< result: the lower triangle
+  std::vector<double> tile_residual;  ///< worst column of every tile column
 };
 
 Task make_task(const MeshLevel& level, const FixedSet* fixed, const BlockMatrix& a0) {
@@ -51,7 +51,8 @@ Task make_task(const MeshLevel& level, const FixedSet* fixed, const BlockMatrix&
 }
 
 // max over columns of ||A0 x - e||_2, A0 restricted to the free nodes.
-double worst_residual(const Task& task, std::span<const double> solution, Index first_node, Index node_count) {
+double worst_residual(const Task& task, std::span<const double> solution, Index first_node,
+                      Index node_count) {
   const BlockPattern& pattern = *task.a0->pattern;
   const std::size_t size = 3 * task.free_nodes.size();
   double worst = 0;
@@ -81,12 +82,14 @@ void store_tiles(Task& task, std::span<const double> solution, std::int64_t colu
   for (std::int64_t row = column * t; row < n; ++row) {
     const auto unknown = std::size_t(task.unknown[std::size_t(task.surface[std::size_t(row)])]);
     double* tile = task.tiles.data() +
-                   TileLayout::block_index(row / t, column) * task.layout.block_scalars() + 9 * (row % t) * t;
+                   TileLayout::block_index(row / t, column) * task.layout.block_scalars() +
+                   9 * (row % t) * t;
     for (std::int64_t c = 0; c < columns; ++c)
       for (int k = 0; k < 3; ++k)
         tile[k * 3 * t + c] = solution[std::size_t(c) * size + 3 * unknown + std::size_t(k)];
   }
-  double* diagonal = task.tiles.data() + TileLayout::block_index(column, column) * task.layout.block_scalars();
+  double* diagonal =
+      task.tiles.data() + TileLayout::block_index(column, column) * task.layout.block_scalars();
   for (std::int64_t i = 0; i < 3 * t; ++i)
     for (std::int64_t j = 0; j < i; ++j) {
       const double mean = 0.5 * (diagonal[i * 3 * t + j] + diagonal[j * 3 * t + i]);
@@ -94,8 +97,8 @@ void store_tiles(Task& task, std::span<const double> solution, std::int64_t colu
     }
 }
 
-bool solve_tile_column(Task& task, const SupernodalFactor& factor, SupernodalFactor::Workspace& workspace,
-                       std::int64_t column) {
+bool solve_tile_column(Task& task, const SupernodalFactor& factor,
+                       SupernodalFactor::Workspace& workspace, std::int64_t column) {
   const Index t = task.layout.tile_nodes;
   const Index first = Index(column) * t, count = std::min(t, task.layout.node_count - first);
   const auto right_sides = workspace.right_sides();
@@ -113,7 +116,8 @@ bool solve_tile_column(Task& task, const SupernodalFactor& factor, SupernodalFac
 }
 
 // Tile columns are independent, so the bits do not depend on which thread takes which.
-bool solve_all(Task& task, const SupernodalFactor& factor, const std::function<void(double)>& progress) {
+bool solve_all(Task& task, const SupernodalFactor& factor,
+               const std::function<void(double)>& progress) {
   const std::int64_t tile_count = task.layout.tile_count();
   std::atomic<std::int64_t> next{0}, done{0};
   std::atomic<bool> ok{true};
@@ -145,8 +149,8 @@ Status check_memory(const Task& task, ScalarType scalar, std::size_t limit) {
                         std::to_string(limit / 1000000) + " MB");
 }
 
-Result<ComplianceHeader> make_header(const CompliancePrecomputeOptions& options, const Material& material,
-                                     const FixedSet* fixed) {
+Result<ComplianceHeader> make_header(const CompliancePrecomputeOptions& options,
+                                     const Material& material, const FixedSet* fixed) {
   ComplianceHeader header;
   header.name = options.name;
   header.kind = options.kind;
@@ -198,10 +202,10 @@ Result<ComplianceVariant> precompute_compliance(const MeshLevel& level, const Ma
 
   header->error.solve_residual = *std::ranges::max_element(task.tile_residual);
   if (!(header->error.solve_residual <= largest_residual))
-    return make_issue(IssueCode::compliance_residual_too_large,
-                      "a column of A0 C0 is " + std::to_string(header->error.solve_residual) +
-                          " from the identity",
-                      worst_element);
+    return make_issue(
+        IssueCode::compliance_residual_too_large,
+        "a column of A0 C0 is " + std::to_string(header->error.solve_residual) + " from the identity",
+        worst_element);
   header->node_count = task.layout.node_count;
   header->tile_nodes = task.layout.tile_nodes;
   header->block_count = task.layout.block_count();

@@ -19,12 +19,11 @@ struct CompliancePrecomputeOptions {
   std::function<void(double fraction)> progress;  ///< may be empty; called from this thread
 };
 
-/// Factorises A0 = a_M M + a_K K (CHOLMOD, supernodal) with the nodes of `fixed` removed (nullptr: none)
-/// and evaluates the inverse on the surface nodes, fixed ones left out. The residual and the error of
-/// the stored scalars are measured and put into the header.
-/// Issues: material_out_of_range, fixed_set_invalid, compliance_singular,
-/// mesh_element_invalid, compliance_factorisation_failed, compliance_residual_too_large,
-/// compliance_out_of_memory.
+/// Factorises A0 = a_M M + a_K K (CHOLMOD, supernodal) with the nodes of `fixed` removed (nullptr:
+/// none) and evaluates the inverse on the surface nodes, fixed ones left out. The residual and the
+/// error of the stored scalars are measured and put into the header. Issues: material_out_of_range,
+/// fixed_set_invalid, compliance_singular, mesh_element_invalid, compliance_factorisation_failed,
+/// compliance_residual_too_large, compliance_out_of_memory.
 Result<ComplianceVariant> precompute_compliance(const MeshLevel& level, const Material& material,
                                                 const FixedSet* fixed,
                                                 const CompliancePrecomputeOptions& options);

@@ -103,7 +103,8 @@ Result<SupernodalFactor> SupernodalFactor::create(const BlockMatrix& a, std::spa
   cholmod_common& common = state->session.common;
   state->factor = cholmod_l_analyze(&view, &common);
   if (!state->factor || common.status == CHOLMOD_OUT_OF_MEMORY)
-    return make_issue(IssueCode::compliance_out_of_memory, "the analysis of the system ran out of memory");
+    return make_issue(IssueCode::compliance_out_of_memory,
+                      "the analysis of the system ran out of memory");
   const double needed = common.lnz * sizeof(double);
   if (needed > double(memory_limit_bytes))
     return make_issue(IssueCode::compliance_out_of_memory,
@@ -139,8 +140,8 @@ std::span<double> SupernodalFactor::Workspace::right_sides() {
 std::span<const double> SupernodalFactor::solve(Workspace& workspace, std::size_t columns) const {
   Workspace::State& w = *workspace.state_;
   w.right_sides->ncol = columns;
-  if (!cholmod_l_solve2(CHOLMOD_A, state_->factor, w.right_sides, nullptr, &w.solution, nullptr, &w.work,
-                        &w.sparse_work, &w.session.common))
+  if (!cholmod_l_solve2(CHOLMOD_A, state_->factor, w.right_sides, nullptr, &w.solution, nullptr,
+                        &w.work, &w.sparse_work, &w.session.common))
     return {};
   return {static_cast<const double*>(w.solution->x), size() * columns};
 }

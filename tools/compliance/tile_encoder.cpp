@@ -68,8 +68,9 @@ void measure_error(const std::vector<double>& tiles, const float* stored, const 
   for (std::size_t node = 0; node < column_error.size(); ++node) {
     error2 += column_error[node].sum();
     norm2 += column_norm[node].sum();
-    error.worst_column = std::max(
-        error.worst_column, std::sqrt((column_error[node].array() / column_norm[node].array()).maxCoeff()));
+    error.worst_column =
+        std::max(error.worst_column,
+                 std::sqrt((column_error[node].array() / column_norm[node].array()).maxCoeff()));
   }
   error.frobenius = std::sqrt(error2 / norm2);
   error.scaled_spectral = std::sqrt(scaled2);

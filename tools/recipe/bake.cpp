@@ -54,7 +54,7 @@ double edge_for(double volume_m3, double count) {
 }
 
 double refinement(const Recipe& recipe) {
-  return std::pow(8.0, static_cast<double>(recipe.mesh.levels - 1));
+  return std::pow(8.0, static_cast<double>(chosen_levels(recipe.mesh) - 1));
 }
 
 TetrahedralizeOptions coarse_options(const Recipe& recipe) {
@@ -153,9 +153,10 @@ Result<TetrahedralizedVolume> mesh_coarsest(const TriangleMesh& decimated, const
                       volume.issue().what);
     volume = std::move(again);
   }
-  if (volume || recipe.mesh.levels == 1) return volume;
+  if (volume || chosen_levels(recipe.mesh) == 1) return volume;
   Issue issue = volume.issue();
-  issue.mend = std::string(mend_of(issue)) + " The coarsest of " + std::to_string(recipe.mesh.levels) +
+  issue.mend = std::string(mend_of(issue)) + " The coarsest of " +
+               std::to_string(chosen_levels(recipe.mesh)) +
                " levels is what failed: fewer levels (--levels) make it finer.";
   return issue;
 }
@@ -188,7 +189,7 @@ Status build_meshes(const Recipe& recipe, Stages& stages, BakeOutcome& outcome) 
   report.coarse = volume->report;
   auto hierarchy = stages.run("hierarchy", [&] {
     NestedHierarchyOptions options;
-    options.level_count = static_cast<int>(recipe.mesh.levels);
+    options.level_count = static_cast<int>(chosen_levels(recipe.mesh));
     return build_nested_hierarchy(volume->mesh, surface, options);
   });
   if (!hierarchy) return hierarchy.issue();

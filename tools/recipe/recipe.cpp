@@ -145,11 +145,12 @@ Status check_compliance(const Recipe& recipe, const ComplianceRequest& request) 
 
 Status check_resolution(const MeshSettings& mesh) {
   if (mesh.edge_length_m > 0) return {};
-  const std::int64_t refinement = std::int64_t{1} << (3 * (mesh.levels - 1));
+  const std::int64_t levels = chosen_levels(mesh);
+  const std::int64_t refinement = std::int64_t{1} << (3 * (levels - 1));
   if (mesh.tets / refinement >= coarsest_tets) return {};
   return wrong(
       IssueCode::recipe_too_few_tets,
-      std::to_string(mesh.tets) + " tets on " + std::to_string(mesh.levels) + " levels leave " +
+      std::to_string(mesh.tets) + " tets on " + std::to_string(levels) + " levels leave " +
           std::to_string(mesh.tets / refinement) + " for the coarsest; at least " +
           std::to_string(coarsest_tets) + " are needed",
       "[mesh] tets, levels",
@@ -177,6 +178,12 @@ Result<Recipe> parse_recipe_table(TomlTable& root) {
 }
 
 }  // namespace
+
+std::int64_t chosen_levels(const MeshSettings& mesh) {
+  constexpr std::int64_t shape_holding_tets = 1000;
+  if (mesh.levels > 0) return mesh.levels;
+  return mesh.edge_length_m > 0 || mesh.tets >= 8 * shape_holding_tets ? 2 : 1;
+}
 
 Result<Recipe> parse_recipe(std::string_view text, const std::string& name) {
   auto root = TomlTable::parse(text, name);

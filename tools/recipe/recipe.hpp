@@ -23,7 +23,7 @@ struct SurfaceSettings {
 struct MeshSettings {
   std::int64_t tets = 10000;  ///< about so many on the finest level; used when edge_length_m is 0
   double edge_length_m = 0;   ///< > 0: edge length of the finest level
-  std::int64_t levels = 2;
+  std::int64_t levels = 0;    ///< 0: chosen by chosen_levels
   std::string hierarchy = "nested";
 };
 
@@ -88,6 +88,10 @@ Result<Recipe> read_recipe(const std::filesystem::path& file);
 /// Issues: usage_missing_argument, config_bad_value, recipe_too_few_tets, compliance_singular,
 /// unsupported_feature.
 Status check_recipe(const Recipe& recipe);
+
+/// The levels of the hierarchy: those asked for, or else two where the coarser one keeps enough tets to
+/// hold the shape (dino.off and anchor.off lose limbs below about 1000), and one where it would not.
+std::int64_t chosen_levels(const MeshSettings& mesh);
 
 /// The effective recipe as TOML, every key written: the same text for the same recipe, wherever it was
 /// read from (the surface's folder is left out). parse_recipe reads it back.

@@ -52,6 +52,7 @@ struct SelectionText {
 };
 
 std::string scalars_text(Recipe recipe) {
+  recipe.mesh.levels = chosen_levels(recipe.mesh);
   std::string text, table;
   for (const RecipeParameter& parameter : recipe_parameters()) {
     const bool by_edge = recipe.mesh.edge_length_m > 0;

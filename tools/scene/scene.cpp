@@ -43,6 +43,8 @@ WorldSettings parse_world(TomlTable world) {
   contact.tolerance = world.number("contact_tolerance", tolerance_range).value_or(contact.tolerance);
   contact.max_sweeps = static_cast<int>(
       world.integer("contact_max_sweeps", 1, iteration_limit).value_or(contact.max_sweeps));
+  s.contact_passes =
+      static_cast<int>(world.integer("contact_passes", 1, 20).value_or(s.contact_passes));
   auto& free = s.free_motion;
   free.tolerance = world.number("solver_tolerance", tolerance_range).value_or(free.tolerance);
   free.max_iterations = static_cast<int>(

@@ -1,4 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <string>
+
+// Mesh_3 writes dump-bug.* files into the working folder when the refinement fails. The failure is
+// caught here and becomes an issue; this stands in for CGAL/Mesh_3/Dump_c3t3.h, so that nothing is left
+// behind.
+#define CGAL_MESH_3_DUMP_C3T3_H
+namespace CGAL {
+template <class Complex>
+void dump_c3t3(const Complex&, const std::string&) {}
+template <class Complex>
+void dump_c3t3_edges(const Complex&, const std::string&) {}
+}  // namespace CGAL
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
 #include <CGAL/Mesh_criteria_3.h>
@@ -9,7 +22,6 @@
 #include <CGAL/make_mesh_3.h>
 
 #include <exception>
-#include <string>
 #include <unordered_map>
 
 #include "tools/volume/volume_mesher.hpp"

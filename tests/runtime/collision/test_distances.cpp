@@ -64,7 +64,8 @@ TEST(SignedDistance, IsADistanceWithAUnitGradientAlongItsNormal) {
       // The foot point lies on the surface, and a step along the normal changes the distance as much.
       EXPECT_NEAR(signed_distance(shape, at, p - here.distance * here.normal).distance, 0, 1e-12);
       if (here.distance <= 0) continue;
-      EXPECT_NEAR(signed_distance(shape, at, p + 0.1 * here.normal).distance, here.distance + 0.1, 1e-12);
+      EXPECT_NEAR(signed_distance(shape, at, p + 0.1 * here.normal).distance, here.distance + 0.1,
+                  1e-12);
     }
 }
 

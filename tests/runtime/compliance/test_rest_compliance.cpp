@@ -70,8 +70,8 @@ TEST(RestCompliance, RefusesBlocksThatDoNotFitTheHeader) {
   const Fixture f(false);
   ComplianceHeader header = f.compliance().header;
   header.block_count += 1;
-  const auto opened = open_rest_compliance(header, std::make_unique<MemoryBlockSource>(
-                                                       std::vector<std::byte>{}, 8));
+  const auto opened =
+      open_rest_compliance(header, std::make_unique<MemoryBlockSource>(std::vector<std::byte>{}, 8));
   ASSERT_FALSE(opened.ok());
   EXPECT_EQ(opened.issue().code, IssueCode::asset_corrupt);
 }
@@ -80,7 +80,8 @@ TEST(SoftBodyAsset, FindsAComplianceByTheRatioOfItsFactors) {
   const Fixture f(false);
   const auto& header = f.compliance().header;
   EXPECT_EQ(f.body->find_compliance(header.mass_factor, header.stiffness_factor, ""), &f.compliance());
-  EXPECT_EQ(f.body->find_compliance(3 * header.mass_factor, 3 * header.stiffness_factor, ""), &f.compliance());
+  EXPECT_EQ(f.body->find_compliance(3 * header.mass_factor, 3 * header.stiffness_factor, ""),
+            &f.compliance());
   EXPECT_EQ(f.body->find_compliance(2 * header.mass_factor, header.stiffness_factor, ""), nullptr);
   EXPECT_EQ(f.body->find_compliance(header.mass_factor, header.stiffness_factor, "left"), nullptr);
 }
@@ -95,10 +96,14 @@ TEST(SoftBodyAsset, RefusesInconsistentContent) {
   };
   EXPECT_EQ(code_of([](auto&) {}), IssueCode{});
   EXPECT_EQ(code_of([](auto& c) { c.level.boundary[0][1] = 1000; }), IssueCode::mesh_element_invalid);
-  EXPECT_EQ(code_of([](auto& c) { c.fixed_sets.push_back({"x", {3, 2}}); }), IssueCode::fixed_set_invalid);
+  EXPECT_EQ(code_of([](auto& c) {
+              c.fixed_sets.push_back({"x", {3, 2}});
+            }),
+            IssueCode::fixed_set_invalid);
   EXPECT_EQ(code_of([](auto& c) { c.compliances[0].nodes[0] = -1; }), IssueCode::asset_corrupt);
   EXPECT_EQ(code_of([](auto& c) { c.compliances[0].nodes.pop_back(); }), IssueCode::asset_corrupt);
-  EXPECT_EQ(code_of([](auto& c) { c.compliances[0].header.fixed_set = "none"; }), IssueCode::asset_corrupt);
+  EXPECT_EQ(code_of([](auto& c) { c.compliances[0].header.fixed_set = "none"; }),
+            IssueCode::asset_corrupt);
 }
 
 }  // namespace

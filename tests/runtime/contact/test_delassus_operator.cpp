@@ -34,7 +34,9 @@ TEST(DelassusOperator, EqualsTheExplicitTripleProductWithWarpedCompliance) {
   std::vector<Mat3> rotations, frames;
   for (int k = 0; k < nodes; ++k)
     rotations.push_back(
-        Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized().toRotationMatrix());
+        Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
+            .normalized()
+            .toRotationMatrix());
   for (int k = 0; k < contacts; ++k)
     frames.push_back(contact_frame(Vec3(normal(random), normal(random), normal(random)).normalized()));
   std::vector<Touch> touches;

@@ -63,8 +63,7 @@ TEST(CorotationalModel, SingleTetHasTheClosedFormStiffness) {  // 1.1
   model.assemble_rest(0, 1, k);
   const Eigen::MatrixXd stiffness = dense(k);
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      EXPECT_NEAR(stiffness(i, j), i == j ? 1.0 / 3 : 2.0 / 15, 1e-15);
+    for (int j = 0; j < 3; ++j) EXPECT_NEAR(stiffness(i, j), i == j ? 1.0 / 3 : 2.0 / 15, 1e-15);
   EXPECT_LT((stiffness - stiffness.transpose()).norm(), 1e-16);
   const Eigen::VectorXd eigenvalues = stiffness.selfadjointView<Eigen::Lower>().eigenvalues();
   EXPECT_LT(eigenvalues.head(6).cwiseAbs().maxCoeff(), 1e-14);
@@ -133,7 +132,8 @@ TEST(CorotationalModel, UniaxialTractionGivesTheClosedFormElongation) {  // 1.3
     if (p[0] == 0 && p[1] == 1 && p[2] == 0) held[3 * n + 2] = 1;
   }
   for (const Triangle& t : boundary_triangles(mesh.tets)) {
-    const Vec3 a = as_vec3(mesh.nodes[t[0]]), b = as_vec3(mesh.nodes[t[1]]), c = as_vec3(mesh.nodes[t[2]]);
+    const Vec3 a = as_vec3(mesh.nodes[t[0]]), b = as_vec3(mesh.nodes[t[1]]),
+               c = as_vec3(mesh.nodes[t[2]]);
     if (a.x() < 10 - 1e-9 || b.x() < 10 - 1e-9 || c.x() < 10 - 1e-9) continue;
     for (const Index node : t) load[3 * node] += force * 0.5 * (b - a).cross(c - a).norm() / 3;
   }
@@ -163,7 +163,8 @@ TEST(CorotationalModel, HydrostaticPressureGivesTheClosedFormVolumeChange) {  //
   const Eigen::VectorXd f = elastic_forces(model, positions(mesh, (1 - strain) * Mat3::Identity()));
   Eigen::VectorXd balance = f;
   for (const Triangle& t : boundary_triangles(mesh.tets)) {
-    const Vec3 a = as_vec3(mesh.nodes[t[0]]), b = as_vec3(mesh.nodes[t[1]]), c = as_vec3(mesh.nodes[t[2]]);
+    const Vec3 a = as_vec3(mesh.nodes[t[0]]), b = as_vec3(mesh.nodes[t[1]]),
+               c = as_vec3(mesh.nodes[t[2]]);
     for (const Index node : t) balance.segment<3>(3 * node) -= pressure * (b - a).cross(c - a) / 6;
   }
   EXPECT_LT(balance.norm() / f.norm(), 1e-9);

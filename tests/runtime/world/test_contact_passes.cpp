@@ -31,7 +31,8 @@ std::vector<Point> bent_impact(ContactMethod method, int passes) {
 
 double distance(const std::vector<Point>& a, const std::vector<Point>& b) {
   double worst = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) worst = std::max(worst, (as_vec3(a[k]) - as_vec3(b[k])).norm());
+  for (std::size_t k = 0; k < a.size(); ++k)
+    worst = std::max(worst, (as_vec3(a[k]) - as_vec3(b[k])).norm());
   return worst;
 }
 

@@ -43,9 +43,14 @@ TEST(WorldInput, RefusesBadBodies) {
     const auto body = world.add_soft_body(small_body(), description);
     return body ? IssueCode{} : body.issue().code;
   };
-  EXPECT_EQ(soft_code([](auto& d) { d.pose.rotation = {0, 0, 0, 0}; }), IssueCode::world_parameter_invalid);
-  EXPECT_EQ(soft_code([](auto& d) { d.pose.translation[0] = NAN; }), IssueCode::world_parameter_invalid);
-  EXPECT_EQ(soft_code([](auto& d) { d.velocity_m_s[2] = INFINITY; }), IssueCode::world_parameter_invalid);
+  EXPECT_EQ(soft_code([](auto& d) {
+              d.pose.rotation = {0, 0, 0, 0};
+            }),
+            IssueCode::world_parameter_invalid);
+  EXPECT_EQ(soft_code([](auto& d) { d.pose.translation[0] = NAN; }),
+            IssueCode::world_parameter_invalid);
+  EXPECT_EQ(soft_code([](auto& d) { d.velocity_m_s[2] = INFINITY; }),
+            IssueCode::world_parameter_invalid);
   EXPECT_EQ(soft_code([](auto& d) { d.fixed_set = "nowhere"; }), IssueCode::fixed_set_invalid);
   const auto rigid_refused = [&](auto spoil) {
     RigidBodyDescription description;

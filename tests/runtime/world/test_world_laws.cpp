@@ -92,8 +92,9 @@ TEST(WorldLaws, SlidingBlockStopsAfterTheClosedFormDistance) {  // 4.3, with the
 
 TEST(WorldLaws, AtRestForcesCarryTheWeightExactlyAndNothingMoves) {
   const double h = 0.01;
-  const auto body_asset = make_body(irregular_box_mesh({4, 3, 3}, {-0.1, -0.1, 0}, {0.2, 0.15, 0.15}, 1),
-                                    material_of(1e4, 0.4, 1000, 0.1, 0.01), h);
+  const auto body_asset =
+      make_body(irregular_box_mesh({4, 3, 3}, {-0.1, -0.1, 0}, {0.2, 0.15, 0.15}, 1),
+                material_of(1e4, 0.4, 1000, 0.1, 0.01), h);
   const double mass = body_asset->model().total_mass();
   for (const auto method : {ContactMethod::warped, ContactMethod::exact}) {
     WorldSettings settings = settings_for(h, 0.4);
@@ -151,8 +152,7 @@ TEST(WorldLaws, EveryStepOfADropObeysTheLaws) {
     EXPECT_LT(report.free_motion_residual, 1e-7);
     // Curved and cornered shapes: the gap is linearised over a step, resolved in the following ones.
     EXPECT_LT(report.worst_penetration_m, 0.02 * 0.2) << "step " << k;
-    const double energy =
-        report.kinetic_energy_j + report.elastic_energy_j + report.potential_energy_j;
+    const double energy = report.kinetic_energy_j + report.elastic_energy_j + report.potential_energy_j;
     // The lagged rotations make implicit Euler not exactly dissipative: a share of the fall's energy.
     EXPECT_LT(energy, last_energy + 0.02 * 8 * g * 0.2) << "step " << k;
     last_energy = energy;

@@ -90,7 +90,8 @@ TEST(WorldMotion, DrivenPlatePushesABodyAlong) {
   plate.name = "plate";
   plate.shape.kind = RigidShapeKind::box;
   plate.shape.half_extents_m = {0.2, 0.2, 0.02};
-  plate.path = {{0, pose_of(Mat3::Identity(), {0, 0, -0.02})}, {1, pose_of(Mat3::Identity(), {0, 0, 0.48})}};
+  plate.path = {{0, pose_of(Mat3::Identity(), {0, 0, -0.02})},
+                {1, pose_of(Mat3::Identity(), {0, 0, 0.48})}};
   ASSERT_TRUE(world.add_rigid_body(plate).ok());
   double worst = 0;
   for (int k = 0; k < 100; ++k) worst = std::max(worst, step(world).worst_penetration_m);
@@ -105,13 +106,15 @@ TEST(WorldMotion, TurningPlateDragsABodyByFriction) {
   const BodyId body = add_soft(world, soft_box(), Vec3::Zero());
   RigidBodyDescription plate;
   plate.name = "turntable";
-  plate.path = {{0, pose_of(Mat3::Identity(), Vec3::Zero())}, {0.5, pose_of(Mat3::Identity(), Vec3::Zero())}};
+  plate.path = {{0, pose_of(Mat3::Identity(), Vec3::Zero())},
+                {0.5, pose_of(Mat3::Identity(), Vec3::Zero())}};
   for (int k = 1; k <= 8; ++k)
     plate.path.push_back({0.5 + k, pose_of(turned(45 * k, {0, 0, 1}), Vec3::Zero())});
   ASSERT_TRUE(world.add_rigid_body(plate).ok());
   for (int k = 0; k < 450; ++k) step(world);
   const Vec3 corner = as_vec3(world.positions(body)[0]);
-  const Vec3 expected = turned(45 * 4, {0, 0, 1}) * as_vec3(world.asset(body).model().rest_positions()[0]);
+  const Vec3 expected =
+      turned(45 * 4, {0, 0, 1}) * as_vec3(world.asset(body).model().rest_positions()[0]);
   EXPECT_LT((corner - expected).head<2>().norm(), 0.02);
 }
 
@@ -124,6 +127,27 @@ TEST(WorldMotion, SameInputGivesTheSameBits) {
     return std::vector<Point>(world.positions(body).begin(), world.positions(body).end());
   };
   EXPECT_EQ(run(), run());
+}
+
+TEST(WorldMotion, ACopiedStateGoesOnWithTheSameBits) {
+  const auto scene = [] {
+    World world = make_world(WorldSettings{});
+    add_soft(world, soft_box(), {0, 0, 0.05}, turned(30, {1, 1, 0}));
+    add_plane(world);
+    return world;
+  };
+  World first = scene(), second = scene();
+  for (int k = 0; k < 40; ++k) step(first);
+  ASSERT_TRUE(second.copy_state(first).ok());
+  for (int k = 0; k < 20; ++k) {
+    step(first);
+    step(second);
+  }
+  EXPECT_EQ(std::vector<Point>(first.positions({0}).begin(), first.positions({0}).end()),
+            std::vector<Point>(second.positions({0}).begin(), second.positions({0}).end()));
+  EXPECT_EQ(first.time_s(), second.time_s());
+  World other = make_world(WorldSettings{});
+  EXPECT_FALSE(other.copy_state(first).ok());
 }
 
 TEST(WorldMotion, StepAllocatesNothingOnceWarm) {

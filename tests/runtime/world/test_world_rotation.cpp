@@ -15,8 +15,8 @@ namespace {
 using namespace test;
 
 std::vector<Mat3> rotations() {
-  std::vector<Mat3> list{turned(60, {0, 0, 1}), turned(180, {0, 0, 1}), turned(60, {1, 0, 0}),
-                         turned(180, {0, 1, 0}), turned(60, {1, 2, 3}), turned(180, {3, -1, 2})};
+  std::vector<Mat3> list{turned(60, {0, 0, 1}),  turned(180, {0, 0, 1}), turned(60, {1, 0, 0}),
+                         turned(180, {0, 1, 0}), turned(60, {1, 2, 3}),  turned(180, {3, -1, 2})};
   std::mt19937 random(9);
   std::normal_distribution<double> normal;
   for (int k = 0; k < 5; ++k)

@@ -13,7 +13,8 @@ namespace {
 
 // Mean tip displacement along z of the 1 x 0.1 x 0.1 m beam, E = 210 GPa, nu = 0.3, F = 1000 N.
 double tip_displacement(int refinement) {
-  const TetMesh mesh = test::box_mesh({10 * refinement, refinement, refinement}, {0, 0, 0}, {1, 0.1, 0.1});
+  const TetMesh mesh =
+      test::box_mesh({10 * refinement, refinement, refinement}, {0, 0, 0}, {1, 0.1, 0.1});
   const auto model = CorotationalModel::create(mesh, test::material_of(210e9, 0.3, 7850));
   EXPECT_TRUE(model.ok());
   BlockMatrix stiffness(model->pattern());
@@ -28,7 +29,8 @@ double tip_displacement(int refinement) {
   SupernodalFactor::Workspace workspace(*factor, 1);
   std::ranges::fill(workspace.right_sides(), 0.0);
   // The end load as shear spread evenly over the end face's nodes (Saint-Venant: the tip feels F).
-  for (const Index node : tip) workspace.right_sides()[std::size_t(3 * node + 2)] = 1000.0 / double(tip.size());
+  for (const Index node : tip)
+    workspace.right_sides()[std::size_t(3 * node + 2)] = 1000.0 / double(tip.size());
   const auto u = factor->solve(workspace, 1);
   double mean = 0;
   for (const Index node : tip) mean += u[std::size_t(3 * node + 2)] / double(tip.size());
@@ -45,8 +47,8 @@ TEST(Cantilever, RisesMonotonicallyTowardsTimoshenkoUnderNestedRefinement) {
   EXPECT_LT(u8, u16);
   EXPECT_LT(u16, timoshenko);
   EXPECT_GT(u16, 0.97 * timoshenko);
-  // Order 2 would quarter the differences; the stress singularities along the edges of the fully clamped
-  // face cost some of it, and no more than half an order.
+  // Order 2 would quarter the differences; the stress singularities along the edges of the fully
+  // clamped face cost some of it, and no more than half an order.
   EXPECT_GT((u8 - u4) / (u16 - u8), std::pow(2.0, 1.5));
   EXPECT_LT((u8 - u4) / (u16 - u8), 4.2);
   const double extrapolated = u16 + (u16 - u8) / 3;

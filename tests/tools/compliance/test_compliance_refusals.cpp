@@ -39,7 +39,8 @@ TEST(ComplianceRefusals, StaticNeedsSupportOfEveryPartOfTheMesh) {
   TetMesh pair = cube;
   for (const Point& p : cube.nodes) pair.nodes.push_back({p[0] + 1, p[1], p[2]});
   const auto shift = Index(cube.nodes.size());
-  for (const Tet& t : cube.tets) pair.tets.push_back({t[0] + shift, t[1] + shift, t[2] + shift, t[3] + shift});
+  for (const Tet& t : cube.tets)
+    pair.tets.push_back({t[0] + shift, t[1] + shift, t[2] + shift, t[3] + shift});
   const FixedSet one{"one", {0, 1, 3, 4}}, both{"both", {0, 1, 3, shift, shift + 1, shift + 3}};
   EXPECT_EQ(refusal(pair, soft, &one, static_options()).code, IssueCode::compliance_singular);
   EXPECT_TRUE(precompute_compliance(level_of(pair), soft, &both, static_options()).ok());
@@ -79,9 +80,11 @@ TEST(ComplianceRefusals, SliversEitherMeetTheResidualOrAreNamed) {
     const auto& p = mesh.nodes;
     Point centre{};
     for (int k = 0; k < 3; ++k)
-      for (const Index n : {first[0], first[1], first[2]}) centre[std::size_t(k)] += p[std::size_t(n)][std::size_t(k)] / 3;
+      for (const Index n : {first[0], first[1], first[2]})
+        centre[std::size_t(k)] += p[std::size_t(n)][std::size_t(k)] / 3;
     for (int k = 0; k < 3; ++k)
-      centre[std::size_t(k)] += flatness * (centre[std::size_t(k)] - p[std::size_t(first[3])][std::size_t(k)]);
+      centre[std::size_t(k)] +=
+          flatness * (centre[std::size_t(k)] - p[std::size_t(first[3])][std::size_t(k)]);
     mesh.nodes.push_back(centre);
     mesh.tets.push_back({first[0], first[2], first[1], top});
     const auto variant = precompute_compliance(level_of(mesh), soft, nullptr, {});
@@ -90,7 +93,8 @@ TEST(ComplianceRefusals, SliversEitherMeetTheResidualOrAreNamed) {
       continue;
     }
     const auto code = variant.issue().code;
-    EXPECT_TRUE(code == IssueCode::compliance_residual_too_large || code == IssueCode::mesh_element_invalid ||
+    EXPECT_TRUE(code == IssueCode::compliance_residual_too_large ||
+                code == IssueCode::mesh_element_invalid ||
                 code == IssueCode::compliance_factorisation_failed)
         << format_issue(variant.issue());
     EXPECT_NE((variant.issue().what + variant.issue().where).find("tet 48"), std::string::npos);

@@ -60,18 +60,20 @@ Eigen::MatrixXd whole(const ComplianceVariant& variant) {
   return c;
 }
 
-Eigen::MatrixXd expected(const TetMesh& mesh, const Material& material, const ComplianceVariant& variant,
-                         const FixedSet* fixed) {
-  const auto full = dense_compliance(mesh, material, variant.header.mass_factor,
-                                     variant.header.stiffness_factor,
-                                     fixed ? fixed->nodes : std::vector<Index>{});
+Eigen::MatrixXd expected(const TetMesh& mesh, const Material& material,
+                         const ComplianceVariant& variant, const FixedSet* fixed) {
+  const auto full =
+      dense_compliance(mesh, material, variant.header.mass_factor, variant.header.stiffness_factor,
+                       fixed ? fixed->nodes : std::vector<Index>{});
   std::vector<Eigen::Index> rows;
   for (const Index node : variant.nodes)
     for (int c = 0; c < 3; ++c) rows.push_back(3 * node + c);
   return full(rows, rows);
 }
 
-double relative(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) { return (a - b).norm() / b.norm(); }
+double relative(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return (a - b).norm() / b.norm();
+}
 
 TEST(Precompute, EqualsTheDenseInverseFreeClampedDynamicAndStatic) {
   const FixedSet left = left_of(block);
@@ -132,7 +134,8 @@ TEST(Precompute, StoredErrorIsTheErrorOfTheStoredScalars) {
 TEST(Precompute, ScalesInverselyWithStiffnessAndSize) {  // 1.4
   const FixedSet left = left_of(block);
   const Eigen::MatrixXd c = whole(computed(block, soft, &left, static_options()));
-  const Eigen::MatrixXd stiffer = whole(computed(block, material_of(3e4, 0.4, 1000), &left, static_options()));
+  const Eigen::MatrixXd stiffer =
+      whole(computed(block, material_of(3e4, 0.4, 1000), &left, static_options()));
   EXPECT_LT(relative(3 * stiffer, c), 1e-10);
   for (const double scale : {1e-3, 1e3}) {
     TetMesh scaled = block;
@@ -158,7 +161,8 @@ TEST(Precompute, HalfTheWorkOfForcesIsTheElasticEnergy) {  // 1.4
   const FixedSet left = left_of(block);
   const auto variant = computed(block, soft, &left, static_options());
   const Eigen::MatrixXd full = dense_compliance(block, soft, 0, 1, left.nodes);
-  Eigen::VectorXd f = Eigen::VectorXd::Zero(full.rows()), surface(3 * Eigen::Index(variant.nodes.size()));
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(full.rows()),
+                  surface(3 * Eigen::Index(variant.nodes.size()));
   for (Eigen::Index k = 0; k < surface.size(); ++k) {
     surface[k] = 1e-5 * std::sin(double(k));
     f[3 * variant.nodes[std::size_t(k / 3)] + k % 3] = surface[k];
@@ -186,7 +190,8 @@ TEST(Precompute, AddedSupportsNeverSoften) {  // 1.4
     if (std::ranges::binary_search(held.nodes, loose.nodes[k]))
       for (int c = 0; c < 3; ++c) shared.push_back(Eigen::Index(3 * k) + c);
   const Eigen::MatrixXd difference = c_loose(shared, shared) - c_held;
-  EXPECT_GT(difference.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), -1e-10 * c_loose.norm());
+  EXPECT_GT(difference.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(),
+            -1e-10 * c_loose.norm());
 }
 
 TEST(Precompute, StaticIsTheLimitOfDynamicForLongSteps) {
@@ -206,7 +211,8 @@ TEST(Precompute, StaticIsTheLimitOfDynamicForLongSteps) {
 
 TEST(Precompute, GivesTheSameBytesEveryTime) {
   const auto options = dynamic_options(ScalarType::float32);
-  const auto first = computed(block, soft, nullptr, options), second = computed(block, soft, nullptr, options);
+  const auto first = computed(block, soft, nullptr, options),
+             second = computed(block, soft, nullptr, options);
   EXPECT_EQ(first.payload, second.payload);
   EXPECT_EQ(first.header.error.solve_residual, second.header.error.solve_residual);
 }

@@ -76,7 +76,7 @@ TEST(Recipe, EmptyTextIsTheDefaultsOfASoftOrgan) {
   const auto recipe = parse_recipe("", "r.toml");
   ASSERT_TRUE(recipe.ok());
   EXPECT_EQ(recipe->mesh.tets, 10000);
-  EXPECT_EQ(recipe->mesh.levels, 2);
+  EXPECT_EQ(chosen_levels(recipe->mesh), 2);
   EXPECT_EQ(recipe->material.young_pa, 1e4);
   EXPECT_EQ(recipe->material.poisson, 0.4);
   ASSERT_EQ(recipe->compliances.size(), 1u);
