@@ -43,7 +43,8 @@ struct WorldSettings {
   bool feed_forward_forces = true;  ///< last step's forces enter the free motion (METHOD 4.2)
   /// Contact solves in a step, 1 to 20. Each further one first makes the motion exact for the forces so
   /// far with the present tangent, so that only what they still change is warped: the error of warping
-  /// shrinks with every pass, for the price of a solve.
+  /// shrinks with every pass, for the price of a solve. Under deep crush it may not: passes end when
+  /// the forces change more than in the pass before.
   int contact_passes = 1;
   ContactSolverSettings contact_solver;
   FreeMotionSettings free_motion;

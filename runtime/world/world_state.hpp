@@ -68,6 +68,7 @@ struct World::State {
   void build_free_gap();
   void correct();
   void make_motion_exact(StepReport& report);
+  double change_norm() const;  ///< of the forces, in the last pass, N
   Status solve_contacts(StepReport& report, PhaseClock& clock);
   Status commit();
   void measure(StepReport& report);

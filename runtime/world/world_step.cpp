@@ -3,6 +3,7 @@
 // correction; then the measurement of the laws.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "runtime/world/world_state.hpp"
 
@@ -201,12 +202,19 @@ void World::State::make_motion_exact(StepReport& report) {
   applied = force;
 }
 
+double World::State::change_norm() const {
+  return Eigen::Map<const Eigen::VectorXd>(change.data(), Eigen::Index(change.size())).norm();
+}
+
 Status World::State::solve_contacts(StepReport& report, PhaseClock& clock) {
   if (auto status = build_delassus(); !status) return status;
   gap.resize(3 * contacts.size());
+  double last_change = std::numeric_limits<double>::infinity();
   for (int pass = 0; pass < settings.contact_passes; ++pass) {
-    if (pass > 0) make_motion_exact(report);
-    report.times.free_motion_s += pass > 0 ? clock.lap() : 0;
+    if (pass > 0) {
+      make_motion_exact(report);
+      report.times.free_motion_s += clock.lap();
+    }
     build_free_gap();
     report.times.compliance_s += clock.lap();
     report.contact_sweeps +=
@@ -214,6 +222,9 @@ Status World::State::solve_contacts(StepReport& report, PhaseClock& clock) {
     report.times.contact_solve_s += clock.lap();
     correct();
     report.times.correction_s += clock.lap();
+    // Where the true compliance is more than twice the warped one, passes overshoot.
+    if (pass > 0 && change_norm() > last_change) break;
+    last_change = pass > 0 ? change_norm() : last_change;
   }
   return {};
 }
