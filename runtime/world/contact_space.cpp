@@ -32,12 +32,63 @@ void BodyContacts::collect(std::uint32_t index, const SoftBody& body,
 
 bool BodyContacts::ready(const SoftBody& body) const { return body.compliance->rest->ready(rows_); }
 
-void BodyContacts::evaluate_warped(const SoftBody& body) {
+void BodyContacts::evaluate_warped(const SoftBody& body, double relaxation) {
   rotations_.clear();
   for (const Index node : nodes_) rotations_.push_back(body.node_rotations[node]);
   body.compliance->rest->gather(rows_, compliance_);
   for (double& value : compliance_) value *= body.compliance_scale;
+  if (relaxation != 1) relax_compliance(body, relaxation);
   warp_compliance(rotations_, compliance_);
+}
+
+namespace {
+
+bool is_free(const SoftBody& body) { return body.free_nodes.size() == body.is_fixed.size(); }
+
+// 1 / a_M of the system that the body's compliance inverts.
+double rigid_factor(const SoftBody& body) {
+  return body.compliance_scale / body.compliance->header.mass_factor;
+}
+
+}  // namespace
+
+// C <- r C - (r - 1) C_rigid: stays positive semi-definite, and keeps the momentum of a free body.
+void BodyContacts::relax_compliance(const SoftBody& body, double relaxation) {
+  for (double& value : compliance_) value *= relaxation;
+  if (!is_free(body)) return;
+  const auto rest = body.asset->model().rest_positions();
+  const std::size_t size = 3 * nodes_.size();
+  const double factor = (relaxation - 1) * rigid_factor(body);
+  for (std::size_t a = 0; a < nodes_.size(); ++a)
+    for (std::size_t b = 0; b < nodes_.size(); ++b) {
+      const Mat3 rigid = body.asset->rigid_modes().block(as_vec3(rest[std::size_t(nodes_[a])]),
+                                                         as_vec3(rest[std::size_t(nodes_[b])]));
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+          compliance_[(3 * a + i) * size + 3 * b + j] -=
+              factor * rigid(Eigen::Index(i), Eigen::Index(j));
+    }
+}
+
+// The same operator on the correction of all nodes, in the rest frame.
+void BodyContacts::relax_motion(SoftBody& body, double relaxation) const {
+  body.rest_frame *= relaxation;
+  if (!is_free(body)) return;
+  const auto rest = body.asset->model().rest_positions();
+  const RigidModes& modes = body.asset->rigid_modes();
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const Eigen::Map<const Vec3> f(rest_force_.data() + 3 * k);
+    force += f;
+    moment += (as_vec3(rest[std::size_t(nodes_[k])]) - modes.centre()).cross(f);
+  }
+  // rest_force_ already carries the compliance's scale.
+  const double factor = (relaxation - 1) / body.compliance->header.mass_factor;
+  const Vec3 shift = factor * modes.inverse_mass() * force;
+  const Vec3 turn = factor * (modes.inverse_inertia() * moment);
+  for (Index node = 0; node < body.asset->model().node_count(); ++node)
+    node_entry(body.rest_frame, node) -=
+        shift + turn.cross(as_vec3(rest[std::size_t(node)]) - modes.centre());
 }
 
 void BodyContacts::evaluate_exact(SoftBody& body) {
@@ -80,7 +131,7 @@ void BodyContacts::add_motion(std::span<const Mat3> frames, const Eigen::VectorX
   }
 }
 
-void BodyContacts::correct_warped(SoftBody& body, std::span<const Mat3> frames,
+void BodyContacts::correct_warped(SoftBody& body, double relaxation, std::span<const Mat3> frames,
                                   std::span<const double> force) {
   const BodyCompliance& compliance = *body.compliance;
   rest_force_.assign(3 * nodes_.size(), 0.0);
@@ -98,6 +149,7 @@ void BodyContacts::correct_warped(SoftBody& body, std::span<const Mat3> frames,
     node_entry(body.rest_frame, compliance.nodes[row]) =
         Eigen::Map<const Vec3>(rest_motion_.data() + 3 * row);
   compliance.extension.apply(body.rest_frame, body.work);
+  if (relaxation != 1) relax_motion(body, relaxation);
   for (Index node = 0; node < body.asset->model().node_count(); ++node)
     node_entry(body.motion, node).noalias() +=
         body.node_rotations[node] * node_entry(body.rest_frame, node);

@@ -18,8 +18,9 @@ class BodyContacts {
 
   /// Whether the compliance blocks of these nodes are in memory.
   bool ready(const SoftBody& body) const;
-  /// C on the contact nodes in world coordinates: warped from the rest shape (METHOD 4.2) ...
-  void evaluate_warped(const SoftBody& body);
+  /// C on the contact nodes in world coordinates: warped from the rest shape (METHOD 4.2), all but the
+  /// rigid motions of a free body times `relaxation` ...
+  void evaluate_warped(const SoftBody& body, double relaxation);
   /// ... or columns of the inverse of the present tangent, which has been factorised (eq. 4.16).
   void evaluate_exact(SoftBody& body);
   void add_to(std::span<const Mat3> frames, std::size_t contact_count, std::span<double> delassus);
@@ -31,10 +32,14 @@ class BodyContacts {
   void add_motion(std::span<const Mat3> frames, const Eigen::VectorXd& motion,
                   std::span<double> gap) const;
   /// motion += C H^T f with the same compliance that W was built from, on all nodes.
-  void correct_warped(SoftBody& body, std::span<const Mat3> frames, std::span<const double> force);
+  void correct_warped(SoftBody& body, double relaxation, std::span<const Mat3> frames,
+                      std::span<const double> force);
   void correct_exact(SoftBody& body, std::span<const Mat3> frames, std::span<const double> force) const;
 
  private:
+  void relax_compliance(const SoftBody& body, double relaxation);
+  void relax_motion(SoftBody& body, double relaxation) const;
+
   std::vector<Touch> touches_;
   std::vector<Index> nodes_, rows_;
   std::vector<Mat3> rotations_;

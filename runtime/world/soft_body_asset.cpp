@@ -40,6 +40,7 @@ Result<std::shared_ptr<const SoftBodyAsset>> SoftBodyAsset::create(SoftBodyConte
         !status)
       return status.issue();
   asset->surface_ = SurfaceTree(asset->model_.rest_positions(), std::move(content.level.boundary));
+  asset->rigid_modes_ = RigidModes(asset->model_.rest_positions(), asset->model_.masses());
   asset->fixed_sets_ = std::move(content.fixed_sets);
   Eigen::AlignedBox3d box;
   for (const auto& node : asset->model_.rest_positions()) box.extend(Vec3(as_vec3(node)));

@@ -10,6 +10,7 @@
 #include "runtime/collision/surface_tree.hpp"
 #include "runtime/compliance/rest_compliance.hpp"
 #include "runtime/compliance/rest_extension.hpp"
+#include "runtime/compliance/rigid_modes.hpp"
 #include "runtime/fem/corotational_model.hpp"
 
 namespace souple {
@@ -45,6 +46,7 @@ class SoftBodyAsset {
 
   const CorotationalModel& model() const { return model_; }
   const SurfaceTree& surface() const { return surface_; }
+  const RigidModes& rigid_modes() const { return rigid_modes_; }
   std::span<const FixedSet> fixed_sets() const { return fixed_sets_; }
   const FixedSet* find_fixed_set(const std::string& name) const;
   std::span<const BodyCompliance> compliances() const { return compliances_; }
@@ -61,6 +63,7 @@ class SoftBodyAsset {
 
   CorotationalModel model_;
   SurfaceTree surface_;
+  RigidModes rigid_modes_;
   std::vector<FixedSet> fixed_sets_;
   std::vector<BodyCompliance> compliances_;
   double longest_side_ = 0;

@@ -137,6 +137,9 @@ Status World::copy_state(const World& other) {
   }
   to.last_keys = from.last_keys;
   to.last_forces = from.last_forces;
+  to.last_changes = from.last_changes;
+  to.growing_steps = from.growing_steps;
+  to.relaxation = to.exact() ? 1 : from.relaxation;
   to.time = from.time;
   return {};
 }

@@ -45,9 +45,14 @@ struct World::State {
   std::vector<Mat3> frames;
   std::vector<BodyContacts> body_contacts;  ///< by body index; rigid ones unused
   std::vector<double> delassus, free_gap, friction, force, gap, applied, change;
-  // The contacts of the last step, ascending by key, and their forces on body A in world coordinates.
+  // The contacts of the last step, ascending by key, their forces on body A and
+  // how these changed in the step, in world coordinates.
   std::vector<ContactKey> last_keys;
-  std::vector<Vec3> last_forces;
+  std::vector<Vec3> last_forces, last_changes;
+  std::vector<ContactKey> earlier_keys;  ///< scratch
+  std::vector<Vec3> earlier_forces;
+  int growing_steps = 0;  ///< steps in a row in which the forces overshot more and more
+  double relaxation = 1;  ///< >= 1: multiplies the warped compliance, see choose_relaxation
 
   SoftBody& soft(std::uint32_t index) { return std::get<SoftBody>(*bodies[index]); }
   const SoftBody& soft(std::uint32_t index) const { return std::get<SoftBody>(*bodies[index]); }
@@ -70,6 +75,8 @@ struct World::State {
   void make_motion_exact(StepReport& report);
   double change_norm() const;  ///< of the forces, in the last pass, N
   Status solve_contacts(StepReport& report, PhaseClock& clock);
+  void choose_relaxation();
+  void remember_contacts();
   Status commit();
   void measure(StepReport& report);
 };

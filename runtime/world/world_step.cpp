@@ -151,7 +151,7 @@ Status World::State::build_delassus() {
       if (!body.ready(soft(index)))
         return make_issue(IssueCode::step_not_finite,
                           "compliance blocks of the contacts are not loaded", soft(index).name);
-      body.evaluate_warped(soft(index));
+      body.evaluate_warped(soft(index), relaxation);
     }
     body.add_to(frames, contacts.size(), delassus);
   }
@@ -185,7 +185,7 @@ void World::State::correct() {
     if (exact())
       body.correct_exact(soft(index), frames, change);
     else
-      body.correct_warped(soft(index), frames, change);
+      body.correct_warped(soft(index), relaxation, frames, change);
   }
 }
 
@@ -229,6 +229,55 @@ Status World::State::solve_contacts(StepReport& report, PhaseClock& clock) {
   return {};
 }
 
+// Near rest the forces obey e <- (1 - W_warped^-1 W_true) e from step to step, which grows where
+// warping makes a folded body more than twice too stiff. The last two changes of the forces show the
+// factor; the warped compliance is then made softer by as much as takes it to zero. Only what changes
+// is affected: at rest the forces stay exact. While the forces still change much, as in an impact,
+// nothing is relaxed.
+void World::State::choose_relaxation() {
+  constexpr double near_rest = 0.1, overshoot = -1.05, fading = 0.98, softest = 10;
+  double product = 0, last2 = 0, force2 = 0;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    force2 += Eigen::Map<const Vec3>(force.data() + 3 * i).squaredNorm();
+    const auto found = std::ranges::lower_bound(last_keys, contacts[i].key);
+    if (found == last_keys.end() || *found != contacts[i].key) continue;
+    const std::size_t k = std::size_t(found - last_keys.begin());
+    const Vec3 changed = frames[i] * Eigen::Map<const Vec3>(force.data() + 3 * i) - last_forces[k];
+    product += changed.dot(last_changes[k]);
+    last2 += last_changes[k].squaredNorm();
+  }
+  if (last2 > near_rest * near_rest * force2) {
+    relaxation = 1;
+    growing_steps = 0;
+    return;
+  }
+  if (!(last2 > 0)) return;
+  // One step of growth is also what a body shows that is just being loaded; three in a row are not.
+  const double factor = product / last2;
+  growing_steps = factor < overshoot ? growing_steps + 1 : 0;
+  relaxation = growing_steps >= 3 ? std::min(softest, relaxation * (1 - factor))
+                                  : std::max(1.0, fading * relaxation);
+}
+
+void World::State::remember_contacts() {
+  const bool stabilised = settings.feed_forward_forces && !exact();
+  if (stabilised) choose_relaxation();
+  std::swap(last_keys, earlier_keys);
+  std::swap(last_forces, earlier_forces);
+  last_changes.clear();
+  last_keys.clear();
+  last_forces.clear();
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Vec3 now = frames[i] * Eigen::Map<const Vec3>(force.data() + 3 * i);
+    const auto found = std::ranges::lower_bound(earlier_keys, contacts[i].key);
+    const bool persists = found != earlier_keys.end() && *found == contacts[i].key;
+    last_changes.push_back(
+        persists ? Vec3(now - earlier_forces[std::size_t(found - earlier_keys.begin())]) : now);
+    last_keys.push_back(contacts[i].key);
+    last_forces.push_back(now);
+  }
+}
+
 // Takes over the motion only if all of it is finite.
 Status World::State::commit() {
   for (const auto index : soft_indices)
@@ -240,12 +289,7 @@ Status World::State::commit() {
     body.x += body.motion;
     body.v = body.motion / settings.time_step_s;
   }
-  last_keys.clear();
-  last_forces.clear();
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    last_keys.push_back(contacts[i].key);
-    last_forces.push_back(frames[i] * Eigen::Map<const Vec3>(force.data() + 3 * i));
-  }
+  remember_contacts();
   time += settings.time_step_s;
   return {};
 }

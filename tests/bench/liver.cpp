@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/bench/liver.hpp"
 
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 
@@ -49,24 +50,19 @@ std::shared_ptr<const SoftBodyAsset> baked_liver(std::int64_t tets, std::int64_t
 }
 
 DropScene make_drop(std::shared_ptr<const SoftBodyAsset> liver, const WorldSettings& settings) {
-  Vec3 centre = Vec3::Zero();
-  double lowest = 0;
-  for (const Point& p : liver->model().rest_positions()) {
-    centre += as_vec3(p) / liver->model().node_count();
-    lowest = std::min(lowest, p[2]);
-  }
   DropScene scene{value_or_exit(World::create(settings)), {}};
   SoftBodyDescription body;
   body.name = "liver";
-  body.pose.translation = {0.02 - centre.x(), -centre.y(), 0.11 - lowest};
+  const double half = std::sqrt(0.5);  // a quarter turn about x: its hollow side down
+  body.pose = {{half, half, 0, 0}, {0.046, 0.017, 0.1}};
   scene.body = value_or_exit(scene.world.add_soft_body(std::move(liver), body));
   RigidBodyDescription floor, ball;
   floor.name = "floor";
   floor.path = {{0, {}}};
   ball.name = "ball";
   ball.shape.kind = RigidShapeKind::sphere;
-  ball.shape.radius_m = 0.05;
-  ball.path = {{0, Pose{{1, 0, 0, 0}, {0, 0, 0.05}}}};
+  ball.shape.radius_m = 0.04;
+  ball.path = {{0, Pose{{1, 0, 0, 0}, {0.04, 0, 0.04}}}};
   value_or_exit(scene.world.add_rigid_body(floor));
   value_or_exit(scene.world.add_rigid_body(ball));
   return scene;

@@ -21,7 +21,7 @@ BakeOutcome bake_or_exit(const Recipe& recipe);
 template <class T>
 T value_or_exit(Result<T> result);
 
-/// The drop scene: the liver above a fixed floor and a fixed ball, mu = 0.4.
+/// The drop scene of assets/scenes/liver_drop.toml: it ends bent over a fixed ball on a fixed floor.
 struct DropScene {
   World world;
   BodyId body;
