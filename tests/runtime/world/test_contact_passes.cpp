@@ -46,8 +46,8 @@ TEST(ContactPasses, EachOneBringsTheWarpedMotionNearerToTheExactOne) {
   EXPECT_LT(four, 1e-3 * 0.3);
 }
 
-// A thin plate folded over a ball: without relaxation a rest of the exact method is left again by the
-// warped one, its error doubling with every step.
+// A thin plate folded over a ball. (tests/bench/test_folded_rest.cpp has the body that needs
+// relaxation.)
 TEST(WarpedRest, StaysWhereTheExactMethodCameToRest) {
   const auto plate = make_body(box_mesh({10, 6, 1}, {-0.15, -0.09, -0.01}, {0.3, 0.18, 0.02}),
                                material_of(4e3, 0.4, 1000, 0.5, 0.02), 0.01);
