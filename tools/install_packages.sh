@@ -10,7 +10,7 @@ packages_of() {
     build)
       echo g++ cmake ninja-build pkg-config git \
         libeigen3-dev libcgal-dev libassimp-dev libsuitesparse-dev libopenblas-dev \
-        libhdf5-dev libzstd-dev libxxhash-dev \
+        libhdf5-dev libzstd-dev libxxhash-dev zlib1g-dev \
         libcli11-dev nlohmann-json3-dev libtomlplusplus-dev libtbb-dev ;;
     test) echo libgtest-dev libbenchmark-dev libexpat1-dev hdf5-tools python3-h5py time ;;
     # montage writes labels in Helvetica, which imagemagick alone does not bring.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The logical content of an asset file (`*.souple`), version 1.0, as plain structs.
+// The logical content of an asset file (`*.souple`), version 1.1, as plain structs.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -11,15 +11,42 @@
 namespace souple {
 
 inline constexpr int asset_version_major = 1;
-inline constexpr int asset_version_minor = 0;
+inline constexpr int asset_version_minor = 1;
 
-/// One level of the hierarchy: `mesh/levels/<l>`, l = 0 coarsest.
+/// Where a point sits in a tet mesh: x = sum_k weights[k] x_k over the four nodes of `tet`. The weights
+/// sum to 1; outside the tet some are negative (linear extrapolation), so affine motions are exact.
+struct Embedding {
+  Index tet = 0;
+  std::array<double, 4> weights{};
+};
+
+/// How well the prolongation P of a level carries rotations: the root mean square over nodes of
+/// |P r_coarse - r_fine| over that of |r_fine|, r the infinitesimal rotation about the centroid, worst
+/// axis. Translations are exact. Dimensionless; -1: not measured.
+struct RigidMotionError {
+  double parents = -1;    ///< weights 1 and 1/2 of the parents; -1 for an embedded level
+  double embedding = -1;  ///< barycentric weights of the embedding
+};
+
+/// One level of the hierarchy: `mesh/levels/<l>`, l = 0 coarsest. A finer level hangs on the coarser
+/// one by parents (nested), by an embedding (embedded), or by both: a nested level whose midpoints were
+/// moved has an embedding that corrects its P.
 struct MeshLevel {
   TetMesh mesh;                    ///< rest shape, metres
   std::vector<Triangle> boundary;  ///< outward
-  /// Empty at level 0. Else one pair per node: {i, i} keeps node i of the coarser level, {a, b} is the
-  /// midpoint of its edge (a, b): row of the prolongation with weight 1, or 1/2 and 1/2.
+  /// Empty at level 0 and on embedded levels. Else one pair per node: {i, i} keeps node i of the
+  /// coarser level, {a, b} is the midpoint of its edge (a, b): row of the prolongation with weight 1,
+  /// or 1/2 and 1/2.
   std::vector<std::array<Index, 2>> parents;
+  /// Empty at level 0. Else empty or one row per node: its place in the coarser level.
+  std::vector<Embedding> embedding;
+  RigidMotionError rigid_motion_error;
+};
+
+/// The surface to be shown, bound to the finest level: `mesh/visual`.
+struct VisualMesh {
+  TriangleMesh surface;              ///< rest shape, metres; empty: the asset has none
+  std::vector<Embedding> embedding;  ///< one row per vertex, in the finest level
 };
 
 struct MaterialRegion {
@@ -98,6 +125,7 @@ struct Provenance {
 
 struct Asset {
   std::vector<MeshLevel> levels;  ///< at least one; the last is the one that is simulated
+  VisualMesh visual;              ///< may be empty
   Material material;
   std::vector<FixedSet> fixed_sets;
   std::vector<ComplianceVariant> compliances;

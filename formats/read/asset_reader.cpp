@@ -86,6 +86,7 @@ struct AssetReader::State {
   int version_minor = 0;
   std::string content_hash;
   std::size_t level_count = 0;
+  bool has_visual = false;
   std::vector<std::string> fixed_sets;
   std::vector<std::string> compliances;
 
@@ -112,19 +113,19 @@ struct AssetReader::State {
     return open({layout::mesh, layout::levels, std::to_string(l)});
   }
 
-  Result<storage::FinestCounts> counts(std::size_t l) {
+  Result<storage::MeshCounts> counts(std::size_t l) {
     const Result<GroupReader> group = level(l);
-    return group ? storage::read_level_counts(*group) : Result<storage::FinestCounts>(group.issue());
+    return group ? storage::read_level_counts(*group) : Result<storage::MeshCounts>(group.issue());
   }
-  Result<storage::FinestCounts> finest_counts() { return counts(level_count - 1); }
+  Result<storage::MeshCounts> finest_counts() { return counts(level_count - 1); }
 
   /// Opens the part and hands it to `read` together with the sizes of the finest level.
   template <class Read>
   auto read_part(const std::vector<std::string>& path, const Read& read)
-      -> decltype(read(std::declval<GroupReader&>(), std::declval<storage::FinestCounts&>())) {
+      -> decltype(read(std::declval<GroupReader&>(), std::declval<storage::MeshCounts&>())) {
     const Result<GroupReader> group = open(path);
     if (!group) return group.issue();
-    const Result<storage::FinestCounts> finest = finest_counts();
+    const Result<storage::MeshCounts> finest = finest_counts();
     if (!finest) return finest.issue();
     return read(*group, *finest);
   }
@@ -165,6 +166,10 @@ Status AssetReader::State::read_contents() {
   const Result<std::size_t> count = count_levels(*top);
   if (!count) return count.issue();
   level_count = *count;
+  const Result<GroupReader> mesh = top->group(layout::mesh);
+  const Result<bool> visual = mesh ? mesh->has(layout::visual) : Result<bool>(mesh.issue());
+  if (!visual) return visual.issue();
+  has_visual = *visual;
   Result<std::vector<std::string>> sets = part_names(*top, layout::constraints);
   if (!sets) return sets.issue();
   fixed_sets = std::move(sets).value();
@@ -216,6 +221,7 @@ int AssetReader::version_major() const { return state_->version_major; }
 int AssetReader::version_minor() const { return state_->version_minor; }
 const std::string& AssetReader::content_hash() const { return state_->content_hash; }
 std::size_t AssetReader::level_count() const { return state_->level_count; }
+bool AssetReader::has_visual() const { return state_->has_visual; }
 const std::vector<std::string>& AssetReader::fixed_set_names() const { return state_->fixed_sets; }
 const std::vector<std::string>& AssetReader::compliance_names() const { return state_->compliances; }
 std::uint64_t AssetReader::bytes_read() const { return state_->device->bytes_read(); }
@@ -243,13 +249,17 @@ Result<MeshLevel> AssetReader::read_level(std::size_t level) {
   return guarded([&]() -> Result<MeshLevel> {
     const Result<GroupReader> group = state_->level(level);
     if (!group) return group.issue();
-    std::size_t coarse_node_count = 0;
-    if (level > 0) {
-      const Result<storage::FinestCounts> coarse = state_->counts(level - 1);
-      if (!coarse) return coarse.issue();
-      coarse_node_count = coarse->nodes;
-    }
-    return storage::read_level(*group, coarse_node_count);
+    if (level == 0) return storage::read_level(*group, {});
+    const Result<storage::MeshCounts> coarse = state_->counts(level - 1);
+    if (!coarse) return coarse.issue();
+    return storage::read_level(*group, *coarse);
+  });
+}
+
+Result<MeshLevel> AssetReader::read_level_mesh(std::size_t level) {
+  return guarded([&]() -> Result<MeshLevel> {
+    const Result<GroupReader> group = state_->level(level);
+    return group ? storage::read_level_mesh(*group) : Result<MeshLevel>(group.issue());
   });
 }
 
@@ -257,11 +267,37 @@ Result<LevelSizes> AssetReader::read_level_sizes(std::size_t level) {
   return guarded([&]() -> Result<LevelSizes> {
     const Result<GroupReader> group = state_->level(level);
     if (!group) return group.issue();
-    const Result<storage::FinestCounts> counts = storage::read_level_counts(*group);
+    const Result<storage::MeshCounts> counts = storage::read_level_counts(*group);
     if (!counts) return counts.issue();
     const Result<storage::DatasetReader> boundary = group->dataset(layout::boundary);
     if (!boundary) return boundary.issue();
-    return LevelSizes{counts->nodes, counts->tets, boundary->rows()};
+    LevelSizes sizes{counts->nodes, counts->tets, boundary->rows(), false, false, {}};
+    if (level == 0) return sizes;
+    const Result<storage::LevelTies> ties = storage::read_level_ties(*group);
+    if (!ties) return ties.issue();
+    sizes.has_parents = ties->parents;
+    sizes.has_embedding = ties->embedding;
+    sizes.rigid_motion_error = ties->rigid_motion_error;
+    return sizes;
+  });
+}
+
+Result<VisualMesh> AssetReader::read_visual() {
+  return guarded([&] {
+    return state_->read_part({layout::mesh, layout::visual}, storage::read_visual);
+  });
+}
+
+Result<VisualSizes> AssetReader::read_visual_sizes() {
+  if (!state_->has_visual) return VisualSizes{};
+  return guarded([&]() -> Result<VisualSizes> {
+    const Result<GroupReader> group = state_->open({layout::mesh, layout::visual});
+    if (!group) return group.issue();
+    const Result<storage::DatasetReader> vertices = group->dataset(layout::vertices);
+    if (!vertices) return vertices.issue();
+    const Result<storage::DatasetReader> triangles = group->dataset(layout::triangles);
+    if (!triangles) return triangles.issue();
+    return VisualSizes{vertices->rows(), triangles->rows()};
   });
 }
 
@@ -306,6 +342,7 @@ Result<std::vector<GroupCost>> AssetReader::group_costs() {
     std::vector<std::vector<std::string>> paths;
     for (std::size_t l = 0; l < state_->level_count; ++l)
       paths.push_back({layout::mesh, layout::levels, std::to_string(l)});
+    if (state_->has_visual) paths.push_back({layout::mesh, layout::visual});
     const Result<bool> has_material = top->has(layout::material);
     if (has_material && *has_material) paths.push_back({layout::material});
     for (const std::string& name : state_->fixed_sets) paths.push_back({layout::constraints, name});
@@ -327,6 +364,11 @@ Result<Asset> read_asset(AssetReader& reader) {
       Result<MeshLevel> level = reader.read_level(l);
       if (!level) return level.issue();
       asset.levels.push_back(std::move(level).value());
+    }
+    if (reader.has_visual()) {
+      Result<VisualMesh> visual = reader.read_visual();
+      if (!visual) return visual.issue();
+      asset.visual = std::move(visual).value();
     }
     Result<Material> material = reader.read_material();
     if (!material) return material.issue();

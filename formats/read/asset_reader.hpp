@@ -29,6 +29,14 @@ struct LevelSizes {
   std::uint64_t node_count = 0;
   std::uint64_t tet_count = 0;
   std::uint64_t boundary_triangle_count = 0;
+  bool has_parents = false;  ///< what ties the level to the coarser one; both false at level 0
+  bool has_embedding = false;
+  RigidMotionError rigid_motion_error;
+};
+
+struct VisualSizes {
+  std::uint64_t vertex_count = 0;
+  std::uint64_t triangle_count = 0;
 };
 
 /// An opened asset. Movable; closes the file when destroyed. Not for real-time threads; one thread at a
@@ -52,7 +60,12 @@ class AssetReader {
 
   std::size_t level_count() const;
   Result<MeshLevel> read_level(std::size_t level);
+  /// The level without parents, embedding and errors: what a simulation needs, and no more is read.
+  Result<MeshLevel> read_level_mesh(std::size_t level);
   Result<LevelSizes> read_level_sizes(std::size_t level);  ///< headers only, no bulk data
+  bool has_visual() const;
+  Result<VisualMesh> read_visual();         ///< asset_missing_part without one
+  Result<VisualSizes> read_visual_sizes();  ///< headers only; zeros without one
   Result<Material> read_material();
   const std::vector<std::string>& fixed_set_names() const;
   Result<FixedSet> read_fixed_set(const std::string& name);

@@ -60,6 +60,40 @@ void add_level(ContentHasher& hasher, const MeshLevel& level) {
   hasher.add(level.parents);
 }
 
+void add_embedding(ContentHasher& hasher, const std::vector<Embedding>& rows) {
+  // Field by field: the padding of a row has no value.
+  hasher.add(static_cast<std::uint64_t>(rows.size()));
+  for (const Embedding& row : rows) {
+    hasher.add(static_cast<std::uint64_t>(row.tet));
+    for (const double weight : row.weights) hasher.add(weight);
+  }
+}
+
+/// What version 1.1 brought, each part under its name: content that has none of it keeps its hash.
+void add_parts_of_1_1(ContentHasher& hasher, const Asset& asset) {
+  const auto begin = [&](std::string_view part, std::size_t place) {
+    hasher.add(part);
+    hasher.add(static_cast<std::uint64_t>(place));
+  };
+  for (std::size_t l = 0; l < asset.levels.size(); ++l) {
+    const MeshLevel& level = asset.levels[l];
+    if (!level.embedding.empty()) {
+      begin("embedding", l);
+      add_embedding(hasher, level.embedding);
+    }
+    const RigidMotionError& error = level.rigid_motion_error;
+    if (error.parents == -1 && error.embedding == -1) continue;
+    begin("rigid_motion_error", l);
+    hasher.add(error.parents);
+    hasher.add(error.embedding);
+  }
+  if (asset.visual.surface.vertices.empty()) return;
+  begin("visual", 0);
+  hasher.add(asset.visual.surface.vertices);
+  hasher.add(asset.visual.surface.triangles);
+  add_embedding(hasher, asset.visual.embedding);
+}
+
 void add_material(ContentHasher& hasher, const Material& material) {
   hasher.add(static_cast<std::uint64_t>(material.regions.size()));
   for (const MaterialRegion& region : material.regions) {
@@ -116,6 +150,7 @@ std::string content_hash(const Asset& asset) {
     hasher.add(variant->nodes);
     hasher.add(variant->payload);
   }
+  add_parts_of_1_1(hasher, asset);
   return hasher.hex();
 }
 

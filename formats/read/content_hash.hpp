@@ -6,9 +6,9 @@
 
 namespace souple {
 
-/// XXH3, 128 bits, 32 hex digits, over the logical content: levels, material, fixed sets and
-/// compliances. Independent of compression, layout and the order of named parts; the provenance is not
-/// part of it.
+/// XXH3, 128 bits, 32 hex digits, over the logical content: levels, visual surface, material,
+/// fixed sets and compliances. Independent of compression, layout and the order of named parts; the
+/// provenance is not part of it.
 std::string content_hash(const Asset& asset);
 
 }  // namespace souple

@@ -12,33 +12,56 @@
 namespace souple {
 namespace {
 
-void check_levels(const Asset& asset, IssueList& issues) {
+/// What ties a level to the coarser one, nullptr for level 0; places only where both meshes are sound.
+void check_level_above(const MeshLevel* coarse, const MeshLevel& level, bool meshes_ok,
+                       const std::string& where, IssueList& issues) {
+  const std::size_t before = issues.count();
+  const checks::MeshCounts counts =
+      coarse == nullptr ? checks::MeshCounts{}
+                        : checks::MeshCounts{coarse->mesh.nodes.size(), coarse->mesh.tets.size()};
+  checks::check_level_ties(level, counts, where, issues);
+  if (coarse == nullptr || !meshes_ok || issues.count() != before) return;
+  checks::check_parents(*coarse, level, where, issues);
+  checks::check_level_places(*coarse, level, where, issues);
+}
+
+/// False if the finest level cannot be pointed at.
+bool check_levels(const Asset& asset, IssueList& issues) {
   if (asset.levels.empty() || asset.levels.size() > limits::levels) {
     issues.add(make_issue(
         IssueCode::asset_mesh_inconsistent,
         std::to_string(asset.levels.size()) + " levels, not 1 to " + std::to_string(limits::levels),
         "mesh/levels"));
-    return;
+    return false;
   }
   bool coarse_ok = false;
   for (std::size_t l = 0; l < asset.levels.size(); ++l) {
     const MeshLevel& level = asset.levels[l];
     const std::string where = "mesh/levels/" + std::to_string(l);
     const std::size_t before = issues.count();
-    const std::size_t coarse_count = l == 0 ? 0 : asset.levels[l - 1].mesh.nodes.size();
-    checks::check_level_indices(level, coarse_count, where, issues);
-    const bool indices_ok = issues.count() == before;
-    if (indices_ok) checks::check_level_shape(level, where, issues);
-    if (indices_ok && l > 0 && coarse_ok)
-      checks::check_hierarchy(asset.levels[l - 1], level, where, issues);
-    coarse_ok = indices_ok;
+    checks::check_level_mesh(level, where, issues);
+    const bool mesh_ok = issues.count() == before;
+    if (mesh_ok) checks::check_level_shape(level, where, issues);
+    check_level_above(l == 0 ? nullptr : &asset.levels[l - 1], level, mesh_ok && (l == 0 || coarse_ok),
+                      where, issues);
+    coarse_ok = mesh_ok;
   }
+  return coarse_ok;
+}
+
+void check_visual(const Asset& asset, bool finest_ok, IssueList& issues) {
+  const TetMesh& finest = asset.levels.back().mesh;
+  const std::size_t before = issues.count();
+  checks::check_visual(asset.visual, finest.tets.size(), "mesh/visual", issues);
+  if (finest_ok && issues.count() == before)
+    checks::check_visual_places(asset.visual, finest, "mesh/visual", issues);
 }
 
 void check_content(const Asset& asset, IssueList& issues) {
   checks::check_names(asset, issues);
-  check_levels(asset, issues);
+  const bool finest_ok = check_levels(asset, issues);
   if (asset.levels.empty()) return;
+  check_visual(asset, finest_ok, issues);
   const TetMesh& finest = asset.levels.back().mesh;
   checks::check_material(asset.material, finest.tets.size(), "material", issues);
   for (const FixedSet& set : asset.fixed_sets)
@@ -64,6 +87,12 @@ Asset read_parts(AssetReader& reader, IssueList& issues) {
   Asset asset;
   for (std::size_t l = 0; l < reader.level_count(); ++l)
     take(reader.read_level(l), asset.levels, issues);
+  if (reader.has_visual()) {
+    if (Result<VisualMesh> visual = reader.read_visual(); visual)
+      asset.visual = std::move(visual).value();
+    else
+      issues.add(visual.issue());
+  }
   if (Result<Material> material = reader.read_material(); material)
     asset.material = std::move(material).value();
   else

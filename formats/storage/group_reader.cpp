@@ -125,6 +125,12 @@ Result<double> GroupReader::real(const char* attribute) const {
   return value;
 }
 
+Result<double> GroupReader::real_or(const char* attribute, double otherwise) const {
+  const htri_t found = H5Aexists(id_.get(), attribute);
+  if (found < 0) return damaged("the attributes cannot be read");
+  return found > 0 ? real(attribute) : Result<double>(otherwise);
+}
+
 Result<std::int64_t> GroupReader::integer(const char* attribute) const {
   const Result<Handle> opened = scalar_attribute(attribute);
   if (!opened) return opened.issue();

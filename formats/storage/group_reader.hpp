@@ -28,6 +28,8 @@ class GroupReader {
 
   Result<std::string> text(const char* attribute) const;  ///< valid text, at most limits::text_bytes
   Result<double> real(const char* attribute) const;       ///< finite
+  /// `otherwise` where there is no such attribute.
+  Result<double> real_or(const char* attribute, double otherwise) const;
   Result<std::int64_t> integer(const char* attribute) const;
   bool has_attribute(const char* attribute) const;
 

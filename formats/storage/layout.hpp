@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Names in the file, in one place for reader and writer. Version 1.0.
+// Names in the file, in one place for reader and writer. Version 1.1.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -28,7 +28,17 @@ inline constexpr const char* levels = "levels";
 inline constexpr const char* nodes = "nodes";  // [m, 3] float64, metres; lists elsewhere [n] int32
 inline constexpr const char* tets = "tets";    // [t, 4] int32
 inline constexpr const char* boundary = "boundary";  // [b, 3] int32
-inline constexpr const char* parents = "parents";    // [m, 2] int32, not at level 0
+// Above level 0 parents or an embedding in the coarser level, or both; new in 1.1: all but parents.
+inline constexpr const char* parents = "parents";                           // [m, 2] int32
+inline constexpr const char* embedding_tets = "embedding_tets";             // [m] int32
+inline constexpr const char* embedding_weights = "embedding_weights";       // [m, 4] float64
+inline constexpr const char* parents_error = "rigid_motion_error_parents";  // attributes, may be absent
+inline constexpr const char* embedding_error = "rigid_motion_error_embedding";
+
+// mesh/visual, optional, new in 1.1: triangles [t, 3] int32 and an embedding in the finest level
+inline constexpr const char* visual = "visual";
+inline constexpr const char* vertices = "vertices";  // [v, 3] float64, metres
+inline constexpr const char* triangles = "triangles";
 
 // material
 inline constexpr const char* material = "material";

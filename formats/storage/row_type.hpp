@@ -23,6 +23,9 @@ template <std::size_t N>
 RowType row_type(const std::array<Index, N>*) {
   return {H5T_STD_I32LE, 4, N};
 }
-inline RowType row_type(const Point*) { return {H5T_IEEE_F64LE, 8, 3}; }
+template <std::size_t N>
+RowType row_type(const std::array<double, N>*) {
+  return {H5T_IEEE_F64LE, 8, N};
+}
 
 }  // namespace souple::storage

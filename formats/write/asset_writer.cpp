@@ -34,15 +34,42 @@ void write_root(const GroupWriter& root, const Asset& asset) {
   root.text(layout::content_hash, content_hash(asset));
 }
 
-void write_levels(const GroupWriter& root, const std::vector<MeshLevel>& levels) {
-  const GroupWriter parent = root.group(layout::mesh).group(layout::levels);
-  for (std::size_t l = 0; l < levels.size(); ++l) {
-    const GroupWriter group = parent.group(std::to_string(l));
-    group.rows(layout::nodes, levels[l].mesh.nodes);
-    group.rows(layout::tets, levels[l].mesh.tets);
-    group.rows(layout::boundary, levels[l].boundary);
-    if (l > 0) group.rows(layout::parents, levels[l].parents);
+void write_embedding(const GroupWriter& group, const std::vector<Embedding>& rows) {
+  std::vector<Index> tets;
+  std::vector<std::array<double, 4>> weights;
+  tets.reserve(rows.size());
+  weights.reserve(rows.size());
+  for (const Embedding& row : rows) {
+    tets.push_back(row.tet);
+    weights.push_back(row.weights);
   }
+  group.rows(layout::embedding_tets, tets);
+  group.rows(layout::embedding_weights, weights);
+}
+
+void write_level(const GroupWriter& group, const MeshLevel& level) {
+  group.rows(layout::nodes, level.mesh.nodes);
+  group.rows(layout::tets, level.mesh.tets);
+  group.rows(layout::boundary, level.boundary);
+  if (!level.parents.empty()) group.rows(layout::parents, level.parents);
+  if (!level.embedding.empty()) write_embedding(group, level.embedding);
+  const RigidMotionError& error = level.rigid_motion_error;
+  if (error.parents >= 0) group.real(layout::parents_error, error.parents);
+  if (error.embedding >= 0) group.real(layout::embedding_error, error.embedding);
+}
+
+void write_mesh(const GroupWriter& root, const Asset& asset) {
+  const GroupWriter mesh = root.group(layout::mesh);
+  {
+    const GroupWriter levels = mesh.group(layout::levels);
+    for (std::size_t l = 0; l < asset.levels.size(); ++l)
+      write_level(levels.group(std::to_string(l)), asset.levels[l]);
+  }
+  if (asset.visual.surface.vertices.empty()) return;
+  const GroupWriter visual = mesh.group(layout::visual);
+  visual.rows(layout::vertices, asset.visual.surface.vertices);
+  visual.rows(layout::triangles, asset.visual.surface.triangles);
+  write_embedding(visual, asset.visual.embedding);
 }
 
 void write_material(const GroupWriter& root, const Material& material) {
@@ -106,7 +133,7 @@ std::vector<const Part*> by_name(const std::vector<Part>& parts, const Name& nam
 
 void write_groups(const GroupWriter& root, const Asset& asset) {
   write_root(root, asset);
-  write_levels(root, asset.levels);
+  write_mesh(root, asset);
   write_material(root, asset.material);
   if (!asset.fixed_sets.empty()) {
     const GroupWriter parent = root.group(layout::constraints);

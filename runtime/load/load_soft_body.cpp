@@ -33,9 +33,14 @@ Result<std::shared_ptr<const SoftBodyAsset>> load_soft_body(AssetReader& reader,
                                                             const LoadOptions& options) {
   if (auto status = check_names(reader, options.compliances); !status) return status.issue();
   SoftBodyContent content;
-  auto level = reader.read_level(reader.level_count() - 1);
+  auto level = reader.read_level_mesh(reader.level_count() - 1);
   if (!level) return level.issue();
   content.level = std::move(*level);
+  if (options.visual && reader.has_visual()) {
+    auto visual = reader.read_visual();
+    if (!visual) return visual.issue();
+    content.visual = std::move(*visual);
+  }
   auto material = reader.read_material();
   if (!material) return material.issue();
   content.material = std::move(*material);

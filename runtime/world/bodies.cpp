@@ -17,6 +17,9 @@ SoftBody::SoftBody(std::shared_ptr<const SoftBodyAsset> shared, std::string body
   for (auto* vector : {&x, &v, &motion, &load, &rest_frame}) vector->setZero(size);
   element_rotations.resize(asset->model().tet_count());
   node_rotations.resize(asset->model().node_count());
+  double weight = 0;
+  for (const double mass : asset->model().masses()) weight += mass * mass;
+  mass_norm_ = std::sqrt(weight);
 }
 
 void SoftBody::prepare_free_motion(double h, const Vec3& gravity) {
@@ -52,9 +55,7 @@ ConjugateGradientReport SoftBody::solve_free_motion(double h, const FreeMotionSe
 ConjugateGradientReport SoftBody::solve_from_motion(double h, const FreeMotionSettings& settings) {
   // At rest the load vanishes by cancellation; its size is then judged against the inertia that one
   // micrometre-per-second would have, so that the solver does not chase round-off.
-  double weight = 0;
-  for (const double mass : asset->model().masses()) weight += mass * mass;
-  const double floor = std::sqrt(weight) * 1e-6 / h;
+  const double floor = mass_norm_ * 1e-6 / h;
   return solver.solve(tangent, load, settings.tolerance, std::max(load.norm(), floor),
                       settings.max_iterations, motion);
 }

@@ -50,6 +50,8 @@ struct SoftBody {
 
  private:
   void hold_fixed_nodes();
+
+  double mass_norm_ = 0;  ///< root of the sum of squared nodal masses, kg
 };
 
 struct RigidBody {

@@ -39,6 +39,7 @@ Result<std::shared_ptr<const SoftBodyAsset>> SoftBodyAsset::create(SoftBodyConte
     if (auto status = check_nodes(set.nodes, node_count, IssueCode::fixed_set_invalid, set.name);
         !status)
       return status.issue();
+  if (auto status = asset->add_visual(content.visual); !status) return status.issue();
   asset->surface_ = SurfaceTree(asset->model_.rest_positions(), std::move(content.level.boundary));
   asset->rigid_modes_ = RigidModes(asset->model_.rest_positions(), asset->model_.masses());
   asset->fixed_sets_ = std::move(content.fixed_sets);
@@ -48,6 +49,15 @@ Result<std::shared_ptr<const SoftBodyAsset>> SoftBodyAsset::create(SoftBodyConte
   for (auto& variant : content.compliances)
     if (auto status = asset->add_compliance(std::move(variant)); !status) return status.issue();
   return std::shared_ptr<const SoftBodyAsset>(std::move(asset));
+}
+
+Status SoftBodyAsset::add_visual(const VisualMesh& visual) {
+  if (visual.surface.vertices.empty()) return {};
+  auto surface =
+      VisualSurface::create(visual, model_.tets(), static_cast<std::size_t>(model_.node_count()));
+  if (!surface) return surface.issue();
+  visual_ = std::move(*surface);
+  return {};
 }
 
 Status SoftBodyAsset::add_compliance(SoftBodyContent::Variant variant) {
@@ -95,7 +105,7 @@ const BodyCompliance* SoftBodyAsset::find_compliance(double mass_factor, double 
 }
 
 std::size_t SoftBodyAsset::resident_bytes() const {
-  std::size_t bytes = model_.bytes() + surface_.bytes();
+  std::size_t bytes = model_.bytes() + surface_.bytes() + (visual_ ? visual_->bytes() : 0);
   for (const auto& c : compliances_)
     bytes += c.rest->resident_bytes() + c.extension.resident_bytes() +
              (c.nodes.size() + c.row_of_node.size()) * sizeof(Index);

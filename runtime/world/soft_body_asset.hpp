@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "runtime/compliance/rest_extension.hpp"
 #include "runtime/compliance/rigid_modes.hpp"
 #include "runtime/fem/corotational_model.hpp"
+#include "runtime/visual/visual_surface.hpp"
 
 namespace souple {
 
@@ -26,7 +28,8 @@ struct BodyCompliance {
 
 /// What a body is made from. Blocks come through a BlockSource, so that this does not know files.
 struct SoftBodyContent {
-  MeshLevel level;  ///< the one that is simulated
+  MeshLevel level;    ///< the one that is simulated; what ties it to coarser levels is not used
+  VisualMesh visual;  ///< empty: none
   Material material;
   std::vector<FixedSet> fixed_sets;
   struct Variant {
@@ -41,7 +44,7 @@ struct SoftBodyContent {
 class SoftBodyAsset {
  public:
   /// Issues: mesh_element_invalid, material_out_of_range, fixed_set_invalid, asset_corrupt,
-  /// compliance_factorisation_failed.
+  /// compliance_factorisation_failed, asset_embedding_invalid, asset_index_out_of_range.
   static Result<std::shared_ptr<const SoftBodyAsset>> create(SoftBodyContent content);
 
   const CorotationalModel& model() const { return model_; }
@@ -54,11 +57,15 @@ class SoftBodyAsset {
   /// (METHOD 4.2: the ratio of the factors is the key); nullptr if there is none.
   const BodyCompliance* find_compliance(double mass_factor, double stiffness_factor,
                                         const std::string& fixed_set) const;
+  /// The surface to be shown; nullptr unless there was one and it was asked for. For an instance:
+  /// `asset.visual()->positions(world.positions(body), vertices)`.
+  const VisualSurface* visual() const { return visual_ ? &*visual_ : nullptr; }
   double longest_side_m() const { return longest_side_; }
   std::size_t resident_bytes() const;
 
  private:
   explicit SoftBodyAsset(CorotationalModel model) : model_(std::move(model)) {}
+  Status add_visual(const VisualMesh& visual);
   Status add_compliance(SoftBodyContent::Variant variant);
 
   CorotationalModel model_;
@@ -66,6 +73,7 @@ class SoftBodyAsset {
   RigidModes rigid_modes_;
   std::vector<FixedSet> fixed_sets_;
   std::vector<BodyCompliance> compliances_;
+  std::optional<VisualSurface> visual_;
   double longest_side_ = 0;
 };
 

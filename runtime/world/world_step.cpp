@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "runtime/world/world_state.hpp"
 
@@ -12,6 +13,13 @@ namespace {
 
 // Share of the body's longest side that the automatic alarm distance adds to what a step can travel.
 constexpr double alarm_share = 0.01;
+
+// Where a contact stands in a list of keys, ascending; nothing if it is new.
+std::optional<std::size_t> place_of(const ContactKey& key, const std::vector<ContactKey>& keys) {
+  const auto found = std::ranges::lower_bound(keys, key);
+  if (found == keys.end() || *found != key) return std::nullopt;
+  return std::size_t(found - keys.begin());
+}
 
 }  // namespace
 
@@ -75,10 +83,8 @@ void World::State::describe_contacts() {
 void World::State::recall_forces() {
   force.assign(3 * contacts.size(), 0.0);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const auto found = std::ranges::lower_bound(last_keys, contacts[i].key);
-    if (found == last_keys.end() || *found != contacts[i].key) continue;
-    Eigen::Map<Vec3>(force.data() + 3 * i) =
-        frames[i].transpose() * last_forces[std::size_t(found - last_keys.begin())];
+    const auto last = place_of(contacts[i].key, last_keys);
+    if (last) Eigen::Map<Vec3>(force.data() + 3 * i) = frames[i].transpose() * last_forces[*last];
   }
   applied.assign(force.size(), 0.0);
   if (settings.feed_forward_forces) applied = force;
@@ -239,12 +245,11 @@ void World::State::choose_relaxation() {
   double product = 0, last2 = 0, force2 = 0;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     force2 += Eigen::Map<const Vec3>(force.data() + 3 * i).squaredNorm();
-    const auto found = std::ranges::lower_bound(last_keys, contacts[i].key);
-    if (found == last_keys.end() || *found != contacts[i].key) continue;
-    const std::size_t k = std::size_t(found - last_keys.begin());
-    const Vec3 changed = frames[i] * Eigen::Map<const Vec3>(force.data() + 3 * i) - last_forces[k];
-    product += changed.dot(last_changes[k]);
-    last2 += last_changes[k].squaredNorm();
+    const auto last = place_of(contacts[i].key, last_keys);
+    if (!last) continue;
+    const Vec3 changed = frames[i] * Eigen::Map<const Vec3>(force.data() + 3 * i) - last_forces[*last];
+    product += changed.dot(last_changes[*last]);
+    last2 += last_changes[*last].squaredNorm();
   }
   if (last2 > near_rest * near_rest * force2) {
     relaxation = 1;
@@ -269,10 +274,8 @@ void World::State::remember_contacts() {
   last_forces.clear();
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     const Vec3 now = frames[i] * Eigen::Map<const Vec3>(force.data() + 3 * i);
-    const auto found = std::ranges::lower_bound(earlier_keys, contacts[i].key);
-    const bool persists = found != earlier_keys.end() && *found == contacts[i].key;
-    last_changes.push_back(
-        persists ? Vec3(now - earlier_forces[std::size_t(found - earlier_keys.begin())]) : now);
+    const auto earlier = place_of(contacts[i].key, earlier_keys);
+    last_changes.push_back(earlier ? Vec3(now - earlier_forces[*earlier]) : now);
     last_keys.push_back(contacts[i].key);
     last_forces.push_back(now);
   }

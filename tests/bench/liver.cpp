@@ -17,12 +17,12 @@ class SilentProgress final : public ProgressSink {
   void fraction(double) override {}
 };
 
+}  // namespace
+
 std::filesystem::path data_folder() {
   const char* folder = std::getenv("SOUPLE_DATA_DIR");
   return folder ? folder : SOUPLE_DEFAULT_DATA_DIR;
 }
-
-}  // namespace
 
 void exit_with(const Issue& issue) {
   std::fprintf(stderr, "%s\n", format_issue(issue).c_str());

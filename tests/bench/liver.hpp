@@ -10,6 +10,9 @@
 
 namespace souple::bench {
 
+/// SOUPLE_DATA_DIR, or the default beside the checkout.
+std::filesystem::path data_folder();
+
 /// Longest side 0.2 m, E 1e4 Pa, nu 0.4, rho 1000 kg/m3, alpha 0.1, beta 0.01, dynamic h = 0.01 s.
 Recipe liver_recipe(std::int64_t tets, std::int64_t levels);
 

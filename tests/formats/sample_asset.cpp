@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "sample_embedding.hpp"
+
 namespace souple::test {
 namespace {
 
@@ -102,6 +104,31 @@ ComplianceVariant make_variant(const Asset& asset, const std::string& name, Comp
   return variant;
 }
 
+void tie(const TetMesh& coarse, int coarse_cells, Ties ties, MeshLevel& fine) {
+  if (ties != Ties::embedding) fine.parents = refined_parents(coarse_cells);
+  if (ties == Ties::parents) return;
+  for (Point& node : fine.mesh.nodes) node[2] += node[2] * (side_m - node[2]);
+  fine.embedding = embed_points(fine.mesh.nodes, coarse);
+  fine.rigid_motion_error = {fine.parents.empty() ? -1 : 0.0625, 3e-16};
+}
+
+VisualMesh make_visual(int cells, const TetMesh& finest) {
+  const TetMesh box = make_box(cells);
+  VisualMesh visual;
+  visual.surface.triangles = boundary_triangles(box.tets);
+  const std::vector<Index> used = used_nodes(visual.surface.triangles);
+  for (const Index node : used) {
+    Point vertex = box.nodes[static_cast<std::size_t>(node)];
+    for (double& x : vertex) x += 0.02 * (x - side_m / 2);
+    visual.surface.vertices.push_back(vertex);
+  }
+  for (Triangle& triangle : visual.surface.triangles)
+    for (Index& node : triangle)
+      node = static_cast<Index>(std::ranges::lower_bound(used, node) - used.begin());
+  visual.embedding = embed_points(visual.surface.vertices, finest);
+  return visual;
+}
+
 void add_regions(Asset& asset, int count) {
   static const char* const names[] = {"flesh", "härter", "bone"};
   for (int r = 0; r < count; ++r)
@@ -145,9 +172,11 @@ Asset make_sample_asset(const SampleOptions& options) {
     MeshLevel level;
     level.mesh = make_box(cells);
     level.boundary = boundary_triangles(level.mesh.tets);
-    if (l > 0) level.parents = refined_parents(cells / 2);
+    if (l > 0) tie(asset.levels.back().mesh, cells / 2, options.ties, level);
     asset.levels.push_back(std::move(level));
   }
+  if (options.visual_cells > 0)
+    asset.visual = make_visual(options.visual_cells, asset.levels.back().mesh);
   add_regions(asset, options.regions);
   const auto dynamic = ComplianceKind::dynamic_step;
   asset.compliances.push_back(make_variant(asset, "default", dynamic, nullptr, options));
@@ -174,9 +203,20 @@ auto header_fields(const ComplianceHeader& h) {
                   h.block_count, h.block_scalars);
 }
 
+bool same_row(const Embedding& a, const Embedding& b) {
+  return a.tet == b.tet && a.weights == b.weights;
+}
+
+bool same_visual(const VisualMesh& a, const VisualMesh& b) {
+  return a.surface.vertices == b.surface.vertices && a.surface.triangles == b.surface.triangles &&
+         std::ranges::equal(a.embedding, b.embedding, same_row);
+}
+
 bool same_level(const MeshLevel& a, const MeshLevel& b) {
   return a.mesh.nodes == b.mesh.nodes && a.mesh.tets == b.mesh.tets && a.boundary == b.boundary &&
-         a.parents == b.parents;
+         a.parents == b.parents && std::ranges::equal(a.embedding, b.embedding, same_row) &&
+         a.rigid_motion_error.parents == b.rigid_motion_error.parents &&
+         a.rigid_motion_error.embedding == b.rigid_motion_error.embedding;
 }
 
 bool same_region(const MaterialRegion& a, const MaterialRegion& b) {
@@ -213,7 +253,8 @@ Asset sorted(Asset asset) {
 
 bool same_content(const Asset& first, const Asset& second) {
   const Asset a = sorted(first), b = sorted(second);
-  return std::ranges::equal(a.levels, b.levels, same_level) && same_material(a.material, b.material) &&
+  return std::ranges::equal(a.levels, b.levels, same_level) && same_visual(a.visual, b.visual) &&
+         same_material(a.material, b.material) &&
          std::ranges::equal(a.fixed_sets, b.fixed_sets, same_set) &&
          std::ranges::equal(a.compliances, b.compliances, same_variant) &&
          same_provenance(a.provenance, b.provenance);

@@ -11,6 +11,9 @@
 
 namespace souple::test {
 
+/// What ties a level to the coarser one.
+enum class Ties { parents, embedding, both };
+
 struct SampleOptions {
   int cells = 1;  ///< of the coarsest level, along every side
   int levels = 2;
@@ -18,6 +21,9 @@ struct SampleOptions {
   bool fixed_bottom = true;    ///< a fixed set "bottom" and a second dynamic variant that holds it
   bool static_variant = true;  ///< float64, needs fixed_bottom
   std::int64_t tile_nodes = 8;
+  /// With an embedding, the inner nodes of finer levels are moved off the middles of their parents.
+  Ties ties = Ties::both;
+  int visual_cells = 3;  ///< of the box whose surface is shown, 2 % larger than the body; 0: none
 };
 
 Asset make_sample_asset(const SampleOptions& options = {});

@@ -29,16 +29,35 @@ std::uint64_t process_bytes_read() {
 /// `process_bytes_read` counts its own reading of /proc too; this much at most.
 constexpr std::uint64_t own_reading = 1024;
 
+/// What a group takes in the file; 0 if it is not listed.
+std::uint64_t stored_bytes(AssetReader& reader, const std::string& path) {
+  const Result<std::vector<GroupCost>> costs = reader.group_costs();
+  if (costs)
+    for (const GroupCost& cost : *costs)
+      if (cost.path == path) return cost.stored_bytes;
+  return 0;
+}
+
 class LazyReading : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     scratch_ = new ScratchFolder;
-    asset_ = new Asset(make_sample_asset({.cells = 6, .static_variant = false, .tile_nodes = 64}));
+    asset_ = new Asset(
+        make_sample_asset({.cells = 6, .static_variant = false, .tile_nodes = 64, .visual_cells = 20}));
     ASSERT_TRUE(write_asset(*asset_, scratch_->path("big.souple")).ok());
   }
   static void TearDownTestSuite() {
     delete asset_;
     delete scratch_;
+  }
+  /// Of the finest level, if it were the only one.
+  static std::uint64_t stored_without_ties() {
+    Asset asset = *asset_;
+    asset.levels = {{asset.levels[1].mesh, asset.levels[1].boundary, {}, {}, {}}};
+    const Result<std::vector<std::byte>> bytes = write_asset_memory(asset);
+    if (!bytes) return 0;
+    Result<AssetReader> reader = AssetReader::open_memory(*bytes);
+    return reader ? stored_bytes(*reader, "mesh/levels/0") : 0;
   }
   static inline ScratchFolder* scratch_ = nullptr;
   static inline Asset* asset_ = nullptr;
@@ -59,6 +78,7 @@ TEST_F(LazyReading, TheMeshCostsASmallShareOfTheFile) {
   const std::uint64_t counted = reader->bytes_read();
   const std::uint64_t by_kernel = process_bytes_read() - before;
   ASSERT_TRUE(coarse.ok() && finest.ok() && material.ok() && header.ok());
+  EXPECT_EQ(finest->embedding.size(), asset_->levels[1].embedding.size());
   EXPECT_EQ(finest->mesh.tets, asset_->levels[1].mesh.tets);
   std::cout << "file " << size << " bytes; opened with " << after_open
             << ", meshes, material and a header with " << counted << " (kernel: " << by_kernel << ")\n";
@@ -68,15 +88,34 @@ TEST_F(LazyReading, TheMeshCostsASmallShareOfTheFile) {
   EXPECT_LE(by_kernel, counted + own_reading);
 }
 
+TEST_F(LazyReading, TheMeshToSimulateReadsNeitherItsTiesNorOtherLevelsNorTheVisualSurface) {
+  Result<AssetReader> reader = AssetReader::open(scratch_->path("big.souple"));
+  ASSERT_TRUE(reader.ok());
+  Result<AssetReader> another = AssetReader::open(scratch_->path("big.souple"));
+  ASSERT_TRUE(another.ok());
+  constexpr std::uint64_t headers = 8192;  // of the groups and datasets on the way, at most
+  const std::uint64_t stored = stored_bytes(*another, "mesh/levels/1");
+  const std::uint64_t before = reader->bytes_read();
+  ASSERT_TRUE(reader->read_level_mesh(1).ok());
+  const std::uint64_t mesh = reader->bytes_read() - before;
+  ASSERT_TRUE(reader->read_level(1).ok());
+  const std::uint64_t level = reader->bytes_read() - before - mesh;
+  ASSERT_TRUE(reader->read_visual().ok());
+  const std::uint64_t visual = reader->bytes_read() - before - mesh - level;
+  std::cout << "mesh of a level " << mesh << " bytes, with its ties " << level << ", visual surface "
+            << visual << "\n";
+  EXPECT_LT(mesh, stored_without_ties() + headers);
+  EXPECT_GE(level, stored);
+  EXPECT_LT(level, stored + headers);
+  EXPECT_GE(visual, stored_bytes(*another, "mesh/visual"));
+  EXPECT_LT(visual, stored_bytes(*another, "mesh/visual") + headers);
+}
+
 TEST_F(LazyReading, OneVariantDoesNotReadTheOther) {
   const std::string file = scratch_->path("big.souple");
   Result<AssetReader> reader = AssetReader::open(file);
   ASSERT_TRUE(reader.ok());
-  const Result<std::vector<GroupCost>> costs = reader->group_costs();
-  ASSERT_TRUE(costs.ok());
-  std::uint64_t stored = 0;
-  for (const GroupCost& cost : *costs)
-    if (cost.path == "compliance/clamped") stored = cost.stored_bytes;
+  const std::uint64_t stored = stored_bytes(*reader, "compliance/clamped");
   ASSERT_GT(stored, 0u);
   const std::uint64_t before = reader->bytes_read();
   ASSERT_TRUE(reader->read_compliance("clamped").ok());

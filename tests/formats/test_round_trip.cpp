@@ -40,6 +40,25 @@ TEST(AssetRoundTrip, KeepsEverything) {
   std::cout << "small asset: " << bytes.size() << " bytes\n";
 }
 
+TEST(AssetRoundTrip, KeepsEveryKindOfHierarchyWithAndWithoutAVisualSurface) {
+  for (const Ties ties : {Ties::parents, Ties::embedding, Ties::both})
+    for (const int visual_cells : {0, 1, 4}) {
+      const Asset asset = make_sample_asset({.levels = 3,
+                                             .fixed_bottom = false,
+                                             .static_variant = false,
+                                             .ties = ties,
+                                             .visual_cells = visual_cells});
+      const std::vector<std::byte> bytes = written(asset);
+      EXPECT_TRUE(same_content(asset, read_back(bytes)));
+      const ValidationReport report = validate_asset_memory(bytes);
+      EXPECT_TRUE(report.issues.empty()) << format_issue(report.issues.front());
+      Result<AssetReader> reader = AssetReader::open_memory(bytes);
+      ASSERT_TRUE(reader.ok());
+      EXPECT_EQ(reader->has_visual(), visual_cells > 0);
+      EXPECT_EQ(reader->content_hash(), content_hash(asset));
+    }
+}
+
 TEST(AssetRoundTrip, WorksThroughAFile) {
   const ScratchFolder scratch;
   const Asset asset = make_sample_asset({.cells = 2});
@@ -156,6 +175,14 @@ TEST(ContentHash, ChangesWithEveryPart) {
   };
   EXPECT_TRUE(differs([](Asset& a) { a.levels[0].mesh.nodes[3][1] += 1e-15; }));
   EXPECT_TRUE(differs([](Asset& a) { std::swap(a.levels[1].mesh.tets[0], a.levels[1].mesh.tets[1]); }));
+  EXPECT_TRUE(differs([](Asset& a) { a.levels[1].embedding[20].weights[2] += 1e-15; }));
+  EXPECT_TRUE(differs([](Asset& a) { a.levels[1].embedding[20].tet ^= 1; }));
+  EXPECT_TRUE(differs([](Asset& a) { a.levels[1].embedding.clear(); }));
+  EXPECT_TRUE(differs([](Asset& a) { a.levels[1].rigid_motion_error.parents += 1e-9; }));
+  EXPECT_TRUE(differs([](Asset& a) { a.visual.surface.vertices[0][0] += 1e-15; }));
+  EXPECT_TRUE(differs([](Asset& a) { a.visual.surface.triangles.pop_back(); }));
+  EXPECT_TRUE(differs([](Asset& a) { a.visual.embedding[7].tet ^= 1; }));
+  EXPECT_TRUE(differs([](Asset& a) { a.visual = {}; }));
   EXPECT_TRUE(differs([](Asset& a) { a.material.tet_region[5] ^= 1; }));
   EXPECT_TRUE(differs([](Asset& a) { a.material.regions[1].name = "y"; }));
   EXPECT_TRUE(differs([](Asset& a) { a.fixed_sets[0].nodes.pop_back(); }));
@@ -175,14 +202,26 @@ TEST(AssetReader, ListsWhatGroupsCostWithoutReadingThem) {
   EXPECT_EQ(sizes->node_count, asset.levels[1].mesh.nodes.size());
   EXPECT_EQ(sizes->tet_count, asset.levels[1].mesh.tets.size());
   EXPECT_EQ(sizes->boundary_triangle_count, asset.levels[1].boundary.size());
+  EXPECT_TRUE(sizes->has_parents && sizes->has_embedding);
+  EXPECT_EQ(sizes->rigid_motion_error.parents, asset.levels[1].rigid_motion_error.parents);
+  EXPECT_EQ(sizes->rigid_motion_error.embedding, asset.levels[1].rigid_motion_error.embedding);
+  const Result<VisualSizes> visual = reader->read_visual_sizes();
+  ASSERT_TRUE(visual.ok());
+  EXPECT_EQ(visual->vertex_count, asset.visual.surface.vertices.size());
+  EXPECT_EQ(visual->triangle_count, asset.visual.surface.triangles.size());
   EXPECT_LT(reader->bytes_read(), bytes.size() / 4);
-  ASSERT_EQ(costs->size(), 2u + 1u + 2u + 3u);
+  ASSERT_EQ(costs->size(), 2u + 1u + 1u + 2u + 3u);
   const auto cost = [&](const std::string& path) {
     return *std::ranges::find(*costs, path, &GroupCost::path);
   };
   const MeshLevel& coarse = asset.levels[0];
   EXPECT_EQ(cost("mesh/levels/0").raw_bytes,
             24 * coarse.mesh.nodes.size() + 16 * coarse.mesh.tets.size() + 12 * coarse.boundary.size());
+  EXPECT_EQ(cost("mesh/levels/1").raw_bytes, (24 + 8 + 4 + 32) * sizes->node_count +
+                                                 16 * sizes->tet_count +
+                                                 12 * sizes->boundary_triangle_count);
+  EXPECT_EQ(cost("mesh/visual").raw_bytes,
+            (24 + 4 + 32) * visual->vertex_count + 12 * visual->triangle_count);
   EXPECT_EQ(cost("compliance/default").raw_bytes,
             asset.compliances[0].payload.size() + 4 * asset.compliances[0].nodes.size());
   std::uint64_t stored = 0;
@@ -202,6 +241,31 @@ TEST(AssetReader, SaysWhichPartIsMissing) {
     EXPECT_FALSE(reader->read_fixed_set(name).ok()) << name;
   }
   EXPECT_EQ(reader->read_level(2).issue().code, IssueCode::asset_missing_part);
+  EXPECT_EQ(reader->read_level_mesh(2).issue().code, IssueCode::asset_missing_part);
+}
+
+TEST(AssetReader, SaysThatThereIsNoVisualSurface) {
+  const std::vector<std::byte> bytes = written(make_sample_asset({.visual_cells = 0}));
+  Result<AssetReader> reader = AssetReader::open_memory(bytes);
+  ASSERT_TRUE(reader.ok());
+  EXPECT_FALSE(reader->has_visual());
+  EXPECT_EQ(reader->read_visual().issue().code, IssueCode::asset_missing_part);
+  const Result<VisualSizes> sizes = reader->read_visual_sizes();
+  ASSERT_TRUE(sizes.ok());
+  EXPECT_EQ(sizes->vertex_count + sizes->triangle_count, 0u);
+}
+
+TEST(AssetReader, GivesTheMeshOfALevelWithoutItsTies) {
+  const Asset asset = make_sample_asset();
+  const std::vector<std::byte> bytes = written(asset);
+  Result<AssetReader> reader = AssetReader::open_memory(bytes);
+  ASSERT_TRUE(reader.ok());
+  const Result<MeshLevel> level = reader->read_level_mesh(1);
+  ASSERT_TRUE(level.ok());
+  EXPECT_EQ(level->mesh.nodes, asset.levels[1].mesh.nodes);
+  EXPECT_EQ(level->mesh.tets, asset.levels[1].mesh.tets);
+  EXPECT_EQ(level->boundary, asset.levels[1].boundary);
+  EXPECT_TRUE(level->parents.empty() && level->embedding.empty());
 }
 
 TEST(AssetReader, RefusesWhatIsNoFile) {

@@ -78,6 +78,67 @@ const Fault mesh_faults[] = {
      [](Asset& a) { finest(a).parents[1] = finest(a).parents[3]; }},
 };
 
+Embedding& row(Asset& a) { return finest(a).embedding[13]; }
+Embedding& visual_row(Asset& a) { return a.visual.embedding[13]; }
+
+const Fault embedding_faults[] = {
+    {"NeitherParentsNorEmbedding", IssueCode::asset_hierarchy_invalid,
+     [](Asset& a) {
+       finest(a).parents.clear(), finest(a).embedding.clear(), finest(a).rigid_motion_error = {};
+     }},
+    {"RowMissing", IssueCode::asset_embedding_invalid,
+     [](Asset& a) { finest(a).embedding.pop_back(); }},
+    {"RowsAtLevel0", IssueCode::asset_embedding_invalid,
+     [](Asset& a) { a.levels[0].embedding.resize(a.levels[0].mesh.nodes.size()); }},
+    {"TetOfTheFinerLevel", IssueCode::asset_index_out_of_range,
+     [](Asset& a) { row(a).tet = static_cast<Index>(a.levels[0].mesh.tets.size()); }},
+    {"NegativeTet", IssueCode::asset_index_out_of_range, [](Asset& a) { row(a).tet = -1; }},
+    {"WeightNaN", IssueCode::asset_embedding_invalid, [](Asset& a) { row(a).weights[3] = nan; }},
+    {"WeightInfinite", IssueCode::asset_embedding_invalid,
+     [](Asset& a) { row(a).weights[0] = infinity; }},
+    {"WeightHuge", IssueCode::asset_embedding_invalid,
+     [](Asset& a) {
+       row(a).weights = {1001, -1000, 0, 0};
+     }},
+    {"WeightsOfSumZero", IssueCode::asset_embedding_invalid,
+     [](Asset& a) {
+       row(a).weights = {0, 0, 0, 0};
+     }},
+    {"WeightsOfSumAlmostOne", IssueCode::asset_embedding_invalid,
+     [](Asset& a) { row(a).weights[1] += 2e-6; }},
+    {"Displaced", IssueCode::asset_embedding_displaced,
+     [](Asset& a) { row(a).weights[1] += 4e-6, row(a).weights[2] -= 4e-6; }},
+    {"OtherTet", IssueCode::asset_embedding_displaced, [](Asset& a) { row(a).tet ^= 1; }},
+    {"ErrorNaN", IssueCode::asset_hierarchy_invalid,
+     [](Asset& a) { finest(a).rigid_motion_error.embedding = nan; }},
+    {"ErrorNegative", IssueCode::asset_hierarchy_invalid,
+     [](Asset& a) { finest(a).rigid_motion_error.parents = -0.5; }},
+    {"ErrorOfMissingParents", IssueCode::asset_hierarchy_invalid,
+     [](Asset& a) { finest(a).parents.clear(); }},
+    {"ErrorAtLevel0", IssueCode::asset_hierarchy_invalid,
+     [](Asset& a) { a.levels[0].rigid_motion_error.embedding = 0; }},
+    {"VisualWithoutTriangles", IssueCode::asset_visual_invalid,
+     [](Asset& a) { a.visual.surface.triangles.clear(); }},
+    {"VisualWithoutVertices", IssueCode::asset_visual_invalid,
+     [](Asset& a) { a.visual.surface.vertices.clear(); }},
+    {"VisualWithoutEmbedding", IssueCode::asset_embedding_invalid,
+     [](Asset& a) { a.visual.embedding.clear(); }},
+    {"EmbeddingWithoutVisual", IssueCode::asset_visual_invalid,
+     [](Asset& a) { a.visual.surface = {}; }},
+    {"VisualVertexNaN", IssueCode::asset_not_finite,
+     [](Asset& a) { a.visual.surface.vertices[3][1] = nan; }},
+    {"VisualTriangle", IssueCode::asset_index_out_of_range,
+     [](Asset& a) {
+       a.visual.surface.triangles[3][1] = static_cast<Index>(a.visual.surface.vertices.size());
+     }},
+    {"VisualTet", IssueCode::asset_index_out_of_range,
+     [](Asset& a) { visual_row(a).tet = static_cast<Index>(finest(a).mesh.tets.size()); }},
+    {"VisualWeight", IssueCode::asset_embedding_invalid,
+     [](Asset& a) { visual_row(a).weights[0] = -infinity; }},
+    {"VisualDisplaced", IssueCode::asset_embedding_displaced,
+     [](Asset& a) { a.visual.surface.vertices[13][0] += 3e-7; }},
+};
+
 const Fault part_faults[] = {
     {"NoRegion", IssueCode::material_out_of_range, [](Asset& a) { a.material.regions.clear(); }},
     {"ZeroYoung", IssueCode::material_out_of_range,
@@ -187,6 +248,7 @@ TEST_P(Validation, FindsTheFault) {
 
 const auto fault_name = [](const auto& info) { return std::string(info.param.name); };
 INSTANTIATE_TEST_SUITE_P(Mesh, Validation, ::testing::ValuesIn(mesh_faults), fault_name);
+INSTANTIATE_TEST_SUITE_P(Embedding, Validation, ::testing::ValuesIn(embedding_faults), fault_name);
 INSTANTIATE_TEST_SUITE_P(Parts, Validation, ::testing::ValuesIn(part_faults), fault_name);
 INSTANTIATE_TEST_SUITE_P(Compliance, Validation, ::testing::ValuesIn(compliance_faults), fault_name);
 
@@ -197,6 +259,22 @@ TEST(ValidationReport, IsCapped) {
   EXPECT_EQ(report.issues.size(), 5u);
   EXPECT_EQ(report.suppressed_count, asset.levels[1].mesh.nodes.size() - 5);
   EXPECT_FALSE(report.valid());
+}
+
+// Judged by the size of the body, wherever it stands and whatever the unit of its file was.
+TEST(ValidationReport, OfAnEmbeddingFarFromTheOriginOrOfAnySizeIsEmpty) {
+  for (const double scale : {1e-6, 1.0, 1e6})
+    for (const double shift : {0.0, 5.0}) {
+      Asset asset = make_sample_asset();
+      const auto move = [&](std::vector<Point>& points) {
+        for (Point& point : points)
+          for (double& x : point) x = scale * (x + shift);
+      };
+      for (MeshLevel& level : asset.levels) move(level.mesh.nodes);
+      move(asset.visual.surface.vertices);
+      const ValidationReport report = validate_asset_content(asset);
+      EXPECT_TRUE(report.issues.empty()) << scale << " " << format_issue(report.issues.front());
+    }
 }
 
 TEST(ValidationReport, OfASoundAssetIsEmpty) {

@@ -92,6 +92,9 @@ bool use(const Bytes& bytes) {
   const bool listed = reader->group_costs().ok();
   for (const std::string& name : reader->compliance_names())
     if (!reader->read_compliance_header(name)) continue;
+  for (std::size_t l = 0; l < reader->level_count(); ++l)
+    if (!reader->read_level_sizes(l) || !reader->read_level_mesh(l)) break;
+  (void)reader->read_visual_sizes();
   return validate_asset_memory(bytes).valid() && listed;
 }
 
@@ -99,15 +102,19 @@ bool use(const Bytes& bytes) {
 TEST(AssetMutations, NeverCrashHangOrExhaustMemory) {
   const unsigned rounds = from_environment("SOUPLE_FUZZ_ROUNDS", 6000);
   const unsigned seed = from_environment("SOUPLE_FUZZ_SEED", 1);
-  const Result<Bytes> sound = write_asset_memory(make_sample_asset({.cells = 2, .tile_nodes = 20}));
-  ASSERT_TRUE(sound.ok());
-  ASSERT_GT(Mutator(*sound, 0).block_count(), 20u);
+  const Result<Bytes> nested = write_asset_memory(make_sample_asset({.cells = 2, .tile_nodes = 20}));
+  const Result<Bytes> embedded = write_asset_memory(make_sample_asset(
+      {.levels = 3, .fixed_bottom = false, .tile_nodes = 20, .ties = Ties::embedding}));
+  ASSERT_TRUE(nested.ok() && embedded.ok());
+  ASSERT_GT(Mutator(*nested, 0).block_count(), 20u);
+  ASSERT_GT(Mutator(*embedded, 0).block_count(), 20u);
   constexpr unsigned batch = 500;
   for (unsigned first = 0; first < rounds; first += batch) {
+    const Bytes& sound = first / batch % 3 == 2 ? *embedded : *nested;
     const pid_t child = ::fork();
     if (child == 0) {
       ::alarm(120);
-      Mutator mutator(*sound, seed * 100000 + first);
+      Mutator mutator(sound, seed * 100000 + first);
       for (unsigned i = 0; i < batch; ++i) use(mutator.next());
       ::_exit(0);
     }

@@ -17,10 +17,15 @@
 namespace souple {
 
 std::span<const Verb> verbs() {
-  static constexpr std::array<Verb, 5> table{{
+  static constexpr std::array<Verb, 10> table{{
       {"bake", "a surface becomes an asset: mesh, hierarchy, compliances", run_bake},
+      {"repair", "what is wrong with a surface, and a solid made of it", run_repair},
+      {"decimate", "a surface of fewer triangles", run_decimate},
+      {"tetrahedralize", "a closed surface filled with tets", run_tetrahedralize},
+      {"hierarchy", "tet meshes become the levels of an asset", run_hierarchy},
       {"inspect", "what is in an asset and what it costs; reads headers only", run_inspect},
       {"validate", "checks everything in an asset", run_validate},
+      {"export", "tets or surfaces of an asset for other programs", run_export},
       {"simulate", "runs a scene; writes frames and a report", run_simulate},
       {"explain", "what a code means and how to mend it", run_explain},
   }};
@@ -35,7 +40,7 @@ std::string help_text() {
       "Usage: souple VERB [options]    souple VERB --help    souple --version\n\nVerbs:\n";
   for (const Verb& verb : verbs()) {
     std::string name(verb.name);
-    name.resize(10, ' ');
+    name.resize(16, ' ');
     text += "  " + name + std::string(verb.summary) + "\n";
   }
   return text + "\n" + exit_codes_text();

@@ -25,8 +25,13 @@ struct Verb {
 std::span<const Verb> verbs();
 
 Result<ExitCode> run_bake(const Arguments& arguments);
+Result<ExitCode> run_repair(const Arguments& arguments);
+Result<ExitCode> run_decimate(const Arguments& arguments);
+Result<ExitCode> run_tetrahedralize(const Arguments& arguments);
+Result<ExitCode> run_hierarchy(const Arguments& arguments);
 Result<ExitCode> run_inspect(const Arguments& arguments);
 Result<ExitCode> run_validate(const Arguments& arguments);
+Result<ExitCode> run_export(const Arguments& arguments);
 Result<ExitCode> run_simulate(const Arguments& arguments);
 Result<ExitCode> run_explain(const Arguments& arguments);
 

@@ -9,6 +9,9 @@
 #include "tools/cli/signals.hpp"
 #include "tools/cli/version.hpp"
 #include "tools/commands/bake_json.hpp"
+#include "tools/commands/console_progress.hpp"
+#include "tools/commands/mesh_json.hpp"
+#include "tools/commands/recipe_options.hpp"
 #include "tools/exchange/atomic_file.hpp"
 #include "tools/exchange/numbers.hpp"
 #include "tools/recipe/recipe_parameters.hpp"
@@ -16,36 +19,27 @@
 namespace souple {
 namespace {
 
-/// The options mirror the keys of a recipe and win over them.
 struct BakeOptions {
   std::string surface_file;
   std::string asset_file;
-  std::string recipe_file;
+  RecipeOptions keys;
   std::optional<std::string> time_step_s;
   std::optional<std::string> scalar;
-  std::vector<std::optional<std::string>> values;  ///< by the index of recipe_parameters()
 
   void add_to(CLI::App& app) {
-    app.add_option("SURFACE", surface_file, "OBJ, OFF, PLY, STL, glTF, FBX, Collada or 3DS file");
+    app.add_option(
+        "SURFACE", surface_file,
+        "a surface (OBJ, OFF, PLY, STL, glTF, FBX, Collada, 3DS) or a tet mesh (gmsh, medit, "
+        "VTK, VTU, TetGen, Vega)");
     app.add_option("-o,--output", asset_file, "the .souple file to write")->required();
-    app.add_option("--recipe", recipe_file, "TOML file; options win over its keys");
-    values.resize(recipe_parameters().size());
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const RecipeParameter& parameter = recipe_parameters()[i];
-      app.add_option(std::string(parameter.option), values[i], std::string(parameter.help));
-    }
+    keys.add_to(app);
     app.add_option("--time-step-s", time_step_s, "time step of the dynamic compliance");
     app.add_option("--scalar", scalar, "of stored compliances: float32 or float64");
   }
 
   Result<Recipe> recipe() const {
-    Result<Recipe> recipe = Recipe{};
-    if (!recipe_file.empty()) recipe = read_recipe(recipe_file);
+    Result<Recipe> recipe = keys.recipe();
     if (!recipe) return recipe;
-    std::vector<RecipeOverride> overrides;
-    for (std::size_t i = 0; i < values.size(); ++i)
-      if (values[i]) overrides.emplace_back(&recipe_parameters()[i], *values[i]);
-    if (auto status = override_recipe(*recipe, overrides); !status) return status.issue();
     if (auto status = override_compliance(*recipe, time_step_s, scalar); !status) return status.issue();
     if (!surface_file.empty()) recipe->surface.file = surface_file;
     if (auto status = check_recipe(*recipe); !status) return status.issue();
@@ -53,26 +47,12 @@ struct BakeOptions {
   }
 };
 
-class ConsoleProgress : public ProgressSink {
- public:
-  explicit ConsoleProgress(Console& console) : console_(console) {}
-  void stage(std::string_view name) override {
-    name_ = name;
-    console_.detail("stage " + name_);
-    fraction(0);
-  }
-  void fraction(double done) override { console_.progress(name_, done); }
-
- private:
-  Console& console_;
-  std::string name_;
-};
-
 std::string summary_text(const BakeReport& r, const std::string& file) {
   std::string text;
-  const NestedLevelReport& finest = r.levels.back();
+  const LevelReport& finest = r.mesh.levels.back();
+  if (r.mesh.repair) text += triage_text(r.mesh.repair->before) + repair_text(*r.mesh.repair);
   text += file + ": " + std::to_string(finest.node_count) + " nodes, " +
-          std::to_string(finest.tet_count) + " tets on " + std::to_string(r.levels.size()) +
+          std::to_string(finest.tet_count) + " tets on " + std::to_string(r.mesh.levels.size()) +
           " levels, smallest dihedral angle " + rounded_text(r.finest_quality.min_dihedral_deg, 3) +
           " deg\n";
   text += "longest side " + rounded_text(r.longest_side_m) + " m, rho g L / E " +
@@ -113,7 +93,7 @@ Result<ExitCode> run_bake(const Arguments& arguments) {
   if (auto status = write(*outcome, given.asset_file, progress); !status) return status.issue();
   console.end_progress();
   for (const std::string& note : outcome->report.notes) console.say("note: " + note);
-  const Status printed = line.common().json ? print_json(bake_json(*outcome, *recipe, given.asset_file))
+  const Status printed = line.common().json ? print_json(bake_json(*outcome, given.asset_file))
                          : line.common().quiet
                              ? Status{}
                              : print_data(summary_text(outcome->report, given.asset_file));

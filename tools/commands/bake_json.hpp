@@ -8,6 +8,6 @@
 namespace souple {
 
 /// The report of a bake; tools/commands/schema/bake.json describes it.
-Json bake_json(const BakeOutcome& outcome, const Recipe& recipe, const std::string& asset_file);
+Json bake_json(const BakeOutcome& outcome, const std::string& asset_file);
 
 }  // namespace souple

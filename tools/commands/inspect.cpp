@@ -17,6 +17,7 @@ struct Contents {
   std::string content_hash;
   Provenance provenance;
   std::vector<LevelSizes> levels;
+  VisualSizes visual;
   Material material;
   std::vector<std::pair<std::string, std::size_t>> fixed_sets;  ///< name and node count
   std::vector<ComplianceHeader> compliances;
@@ -58,7 +59,8 @@ Result<Contents> read_contents(const std::string& file) {
   contents.version_minor = reader->version_minor();
   contents.content_hash = reader->content_hash();
   Status status = read_lists(*reader, contents);
-  if (!status || !take(reader->read_provenance(), contents.provenance, status) ||
+  if (!status || !take(reader->read_visual_sizes(), contents.visual, status) ||
+      !take(reader->read_provenance(), contents.provenance, status) ||
       !take(reader->read_material(), contents.material, status) ||
       !take(reader->group_costs(), contents.costs, status))
     return status.issue();
@@ -79,7 +81,14 @@ Json contents_json(const Contents& c) {
   for (const LevelSizes& level : c.levels)
     document["levels"].push_back({{"node_count", level.node_count},
                                   {"tet_count", level.tet_count},
-                                  {"boundary_triangle_count", level.boundary_triangle_count}});
+                                  {"boundary_triangle_count", level.boundary_triangle_count},
+                                  {"has_parents", level.has_parents},
+                                  {"has_embedding", level.has_embedding},
+                                  {"rigid_motion_error",
+                                   {{"parents", level.rigid_motion_error.parents},
+                                    {"embedding", level.rigid_motion_error.embedding}}}});
+  document["visual"] = {{"vertex_count", c.visual.vertex_count},
+                        {"triangle_count", c.visual.triangle_count}};
   document["material"] = material_json(c.material);
   document["fixed_sets"] = Json::array();
   for (const auto& [name, count] : c.fixed_sets)
@@ -91,12 +100,27 @@ Json contents_json(const Contents& c) {
   return document;
 }
 
+/// How the level hangs on the coarser one, and how well that carries rotations.
+std::string tie_text(const LevelSizes& level) {
+  const auto error = [](double value) {
+    return value < 0 ? std::string() : " (rotations to " + rounded_text(value, 2) + ")";
+  };
+  std::string text;
+  if (level.has_parents) text += ", nested" + error(level.rigid_motion_error.parents);
+  if (level.has_embedding) text += ", embedded" + error(level.rigid_motion_error.embedding);
+  return text;
+}
+
 std::string levels_text(const Contents& c) {
   std::string text;
   for (std::size_t l = 0; l < c.levels.size(); ++l)
     text += "level " + std::to_string(l) + ": " + std::to_string(c.levels[l].node_count) + " nodes, " +
             std::to_string(c.levels[l].tet_count) + " tets, " +
-            std::to_string(c.levels[l].boundary_triangle_count) + " boundary triangles\n";
+            std::to_string(c.levels[l].boundary_triangle_count) + " boundary triangles" +
+            tie_text(c.levels[l]) + "\n";
+  if (c.visual.vertex_count > 0)
+    text += "visual surface: " + std::to_string(c.visual.vertex_count) + " vertices, " +
+            std::to_string(c.visual.triangle_count) + " triangles\n";
   return text;
 }
 

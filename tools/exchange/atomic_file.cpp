@@ -5,9 +5,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
 #include <cstring>
+
+#include "tools/process/regular_file.hpp"
 
 namespace souple {
 namespace fs = std::filesystem;
@@ -15,11 +16,6 @@ namespace {
 
 Issue cannot_write(const fs::path& file, int error) {
   return make_issue(IssueCode::io_cannot_write, std::string("cannot write: ") + std::strerror(error),
-                    file.string());
-}
-
-Issue cannot_read(const fs::path& file, int error) {
-  return make_issue(IssueCode::io_cannot_read, std::string("cannot read: ") + std::strerror(error),
                     file.string());
 }
 
@@ -88,27 +84,7 @@ Status write_file_atomically(const fs::path& file, std::string_view text) {
 }
 
 Result<std::string> read_text_file(const fs::path& file, std::size_t limit) {
-  OpenFile in(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (in.get() < 0) {
-    if (errno == ENOENT || errno == ENOTDIR)
-      return make_issue(IssueCode::io_file_missing, "there is no such file", file.string());
-    return cannot_read(file, errno);
-  }
-  struct stat status {};
-  if (::fstat(in.get(), &status) != 0) return cannot_read(file, errno);
-  if (!S_ISREG(status.st_mode)) return cannot_read(file, S_ISDIR(status.st_mode) ? EISDIR : EINVAL);
-  std::string text;
-  std::array<char, 65536> buffer;
-  while (true) {
-    const ssize_t count = ::read(in.get(), buffer.data(), buffer.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) return cannot_read(file, errno);
-    if (count == 0) return text;
-    if (text.size() + static_cast<std::size_t>(count) > limit)
-      return make_issue(IssueCode::io_file_too_large,
-                        "the file is larger than " + std::to_string(limit) + " bytes", file.string());
-    text.append(buffer.data(), static_cast<std::size_t>(count));
-  }
+  return read_regular_file(file, limit);
 }
 
 Status make_output_folder(const fs::path& folder) {

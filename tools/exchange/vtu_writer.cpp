@@ -67,6 +67,18 @@ void append_fields(std::string& text, const std::vector<VtuField>& fields) {
   text += "</PointData>\n";
 }
 
+/// Cells that are no tets, or whose mesh has no regions.
+constexpr Index no_region = -1;
+
+void append_regions(std::string& text, const VtuMesh& mesh) {
+  if (mesh.tet_regions.empty()) return;
+  std::vector<std::int32_t> regions(mesh.triangles.size(), no_region);
+  regions.insert(regions.end(), mesh.tet_regions.begin(), mesh.tet_regions.end());
+  text += "<CellData>\n";
+  append_array(text, "Int32", "region", 1, regions);
+  text += "</CellData>\n";
+}
+
 Status check_fields(const std::vector<VtuField>& fields, std::size_t row_count) {
   for (const VtuField& field : fields)
     if (field.component_count < 1 ||
@@ -98,6 +110,10 @@ Status check_mesh(const VtuMesh& mesh) {
                       std::to_string(mesh.cell_count()) + " cells are too many for one file");
   if (auto status = check_cells(mesh.triangles, mesh.points.size()); !status) return status;
   if (auto status = check_cells(mesh.tets, mesh.points.size()); !status) return status;
+  if (!mesh.tet_regions.empty() && mesh.tet_regions.size() != mesh.tets.size())
+    return make_issue(IssueCode::vtu_mesh_invalid, std::to_string(mesh.tet_regions.size()) +
+                                                       " regions for " +
+                                                       std::to_string(mesh.tets.size()) + " tets");
   return check_fields(mesh.fields, mesh.points.size());
 }
 
@@ -129,6 +145,11 @@ VtuField vector_field(std::string name, std::span<const Point> rows) {
 
 void append_mesh(VtuMesh& mesh, const VtuMesh& part) {
   append_fields_of(mesh.fields, mesh.points.size(), part.fields, part.points.size());
+  if (!mesh.tet_regions.empty() || !part.tet_regions.empty()) {
+    mesh.tet_regions.resize(mesh.tets.size(), no_region);
+    mesh.tet_regions.insert(mesh.tet_regions.end(), part.tet_regions.begin(), part.tet_regions.end());
+    mesh.tet_regions.resize(mesh.tets.size() + part.tets.size(), no_region);
+  }
   const auto shift = static_cast<Index>(mesh.points.size());
   mesh.points.insert(mesh.points.end(), part.points.begin(), part.points.end());
   for (Triangle t : part.triangles) {
@@ -149,6 +170,7 @@ Result<std::string> vtu_text(const VtuMesh& mesh) {
   text += "<Piece NumberOfPoints=\"" + std::to_string(mesh.points.size()) + "\" NumberOfCells=\"" +
           std::to_string(mesh.cell_count()) + "\">\n";
   append_fields(text, mesh.fields);
+  append_regions(text, mesh);
   text += "<Points>\n";
   append_array(text, "Float64", "Points", 3, flat(mesh.points));
   text += "</Points>\n";

@@ -24,6 +24,7 @@ struct VtuMesh {
   std::vector<Triangle> triangles;
   std::vector<Tet> tets;
   std::vector<VtuField> fields;
+  std::vector<Index> tet_regions;  ///< cell data "region": of every tet, or empty; triangles get -1
 
   std::size_t cell_count() const { return triangles.size() + tets.size(); }
 };
@@ -31,12 +32,12 @@ struct VtuMesh {
 /// A field of three components from vectors.
 VtuField vector_field(std::string name, std::span<const Point> rows);
 
-/// Puts `part` behind `mesh`. A field that only one of them has is padded with zeros.
+/// Puts `part` behind `mesh`. A field that only one of them has is padded with zeros, regions with -1.
 void append_mesh(VtuMesh& mesh, const VtuMesh& part);
 
 /// The file as text: XML 1.0, float64 and int32 arrays as base64 with a 64-bit byte count in front,
 /// little-endian; exact, and the same bytes for the same mesh.
-/// Issue vtu_mesh_invalid: an index outside the points, or a field of the wrong size.
+/// Issue vtu_mesh_invalid: an index outside the points, or a field or regions of the wrong size.
 Result<std::string> vtu_text(const VtuMesh& mesh);
 Status write_vtu(const VtuMesh& mesh, const std::filesystem::path& file);
 

@@ -2,198 +2,202 @@
 #include "tools/hierarchy/fit_surface.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <span>
+#include <iterator>
 
 #include "tools/geometry/vector.hpp"
+#include "tools/hierarchy/level_surface.hpp"
+#include "tools/hierarchy/shape_optimizer.hpp"
+#include "tools/hierarchy/surface_goals.hpp"
 
 namespace souple {
 namespace {
 
-constexpr std::size_t nearest_triangles = 3;
-/// A move may not push a tet below this mean ratio (a smallest dihedral angle of about 8 degrees); one
-/// that is poor from birth may lose at most a tenth of what it had.
-constexpr double least_mean_ratio = 0.25, least_kept = 0.9;
-/// Inner nodes of tets that lost more than this part of their quality are smoothed.
-constexpr double suffered = 0.85;
-constexpr int most_halvings = 8;
-constexpr int rounds = 6;
-/// A node with more than this part of its way still to go counts as held back.
-constexpr double arrived = 0.01;
-constexpr int smoothing_sweeps = 3;
+/// On the way, no tet may fall below this part of its parent's quality, or lose more than a tenth of
+/// what it still has.
+constexpr double sound_on_the_way = 0.2, least_step_kept = 0.9;
+/// Stiffness of the attraction to the goals, in edge lengths^-2, against energies of 1 for a tet that
+/// keeps all of its parent's quality, 8 where it keeps 0.7 and 544 where it keeps 0.35.
+constexpr double across = 2e4, along = 30;
+/// A move of less than this part of an edge lets a node rest.
+constexpr double rest = 3e-3;
+/// A node that stays farther than this part of its longest edge from its goal, across the surface,
+/// counts as held back.
+constexpr double held_back = 0.02;
+constexpr int most_halvings = 8, harmonic_sweeps = 10, sweeps = 8, sweeps_on_the_way = 4;
+/// Of the balancing rounds: vertices find their places along the surface in the first ones; the last
+/// two hold them there, as what slides afar leaves the planes that drew it.
+constexpr double anchoring[] = {0.01, 0.01, 0.01, 0.01, 0.1, 0.1};
+/// Of closest points in the least-squares fit: the projection rule only begins with it, to reach limbs
+/// that the coarser level missed.
+constexpr int all_lookups = 3, first_lookups = 2;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-double quality(const Tet& tet, const std::vector<Point>& x) {
-  return mean_ratio(x[at(tet[0])], x[at(tet[1])], x[at(tet[2])], x[at(tet[3])]);
-}
-
-/// The tets of every node, as one list with offsets.
-class NodeTets {
- public:
-  explicit NodeTets(const TetMesh& mesh)
-      : first_(mesh.nodes.size() + 1, 0), tets_(4 * mesh.tets.size()) {
-    for (const Tet& tet : mesh.tets)
-      for (const Index i : tet) ++first_[at(i) + 1];
-    for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
-    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-    for (std::size_t t = 0; t < mesh.tets.size(); ++t)
-      for (const Index i : mesh.tets[t]) tets_[next[at(i)]++] = t;
-  }
-  std::span<const std::size_t> of(std::size_t node) const {
-    return {tets_.data() + first_[node], first_[node + 1] - first_[node]};
-  }
-
- private:
-  std::vector<std::size_t> first_, tets_;
-};
-
 class Fitter {
  public:
-  Fitter(TetMesh& mesh, const std::vector<Triangle>& boundary, const TriangleBvh& target)
-      : mesh_(mesh), node_tets_(mesh), surface_(used_nodes(boundary)), is_surface_(mesh.nodes.size()) {
-    for (const Index i : surface_) {
-      is_surface_[at(i)] = true;
-      goals_.push_back(goal_of(mesh.nodes[at(i)], target));
-    }
-    for (const Tet& tet : mesh.tets) unfitted_.push_back(quality(tet, mesh.nodes));
+  Fitter(TetMesh& mesh, const std::vector<Triangle>& boundary,
+         const std::vector<double>& parent_quality, const TargetSurface& target, FitRule rule)
+      : mesh_(mesh),
+        target_(target),
+        rule_(rule),
+        surface_(mesh, boundary),
+        optimizer_(mesh, parent_quality),
+        start_(surface_.positions(mesh)),
+        rest2_(mesh.nodes.size()) {
+    for (std::size_t i = 0; i < rest2_.size(); ++i) rest2_[i] = rest * rest * squared_edge(i);
   }
 
   std::size_t run() {
-    const std::vector<Point> start = mesh_.nodes;
-    std::size_t held_back = 0;
-    for (int round = 0; round < rounds; ++round) {
-      move_towards_goals();
-      smooth_inside();
-      held_back = count_held_back(start);
-      if (held_back == 0) break;
+    goals_ = rule_ == FitRule::nearest_three
+                 ? nearest_three_goals(start_, target_)
+                 : least_squares_goals(surface_, start_, target_,
+                                       rule_ == FitRule::projection ? first_lookups : all_lookups);
+    attract_alike();
+    approach(sweeps);
+    if (rule_ == FitRule::projection) {
+      for (const double& anchor : anchoring) {
+        BalancedGoals balanced = balanced_goals(surface_, surface_.positions(mesh_), target_, anchor);
+        goals_ = std::move(balanced.places);
+        urgency_ = std::move(balanced.urgency);
+        attract(balanced.metrics);
+        approach(&anchor == std::end(anchoring) - 1 ? sweeps : sweeps_on_the_way);
+      }
     }
-    return held_back;
+    return count_held_back();
   }
 
  private:
-  /// ★Departs from METHOD 3.2: the closest points are weighted by the inverse square of their distance
-  /// and their barycentre is brought back to the surface. The plain rule expects triangles smaller than
-  /// the level's. On a machine part with large flat faces it pulls nodes along a face to its far edges
-  /// (largest distance 12.6 mm on a body of 200 mm where the midpoints had 5.2 mm; weighted alone 2.8
-  /// mm, as here 1.8 mm). On a liver, a dinosaur and a bunny the rules differ little.
-  static Point goal_of(const Point& p, const TriangleBvh& target) {
-    std::array<ClosestPoint, nearest_triangles> closest;
-    const std::size_t count = target.nearest(p, closest);
-    const double nearest = closest[0].squared_distance;
-    if (nearest == 0) return p;
-    Point sum{};
-    double weights = 0;
-    for (std::size_t k = 0; k < count; ++k) {
-      const double weight = nearest / closest[k].squared_distance;
-      sum = add_scaled(sum, weight, closest[k].point);
-      weights += weight;
-    }
-    return target.closest(scaled(sum, 1 / weights)).point;
+  /// Mean square of the edges at a node, m^2.
+  double squared_edge(std::size_t node) const {
+    double sum = 0;
+    for (const auto& [tet, corner] : optimizer_.node_tets().of(node))
+      for (const Index j : mesh_.tets[at(tet)])
+        sum += squared_norm(subtract(mesh_.nodes[at(j)], mesh_.nodes[node]));
+    return sum / static_cast<double>(3 * optimizer_.node_tets().of(node).size());
   }
 
-  std::size_t count_held_back(const std::vector<Point>& start) const {
+  void attract(const std::vector<Symmetric>& metrics) {
+    const std::vector<Point> x = surface_.positions(mesh_);
+    attractions_.resize(x.size());
+    for (std::size_t v = 0; v < x.size(); ++v) {
+      const double reach = surface_.reach(x, v), unit = 1 / (reach * reach);
+      Symmetric stiffness;
+      for (std::size_t k = 0; k < 6; ++k)
+        stiffness[k] = unit * (across * urgency_[v] * metrics[v][k] + (k < 3 ? along : 0));
+      attractions_[v] = {goals_[v], stiffness};
+    }
+  }
+  void attract_alike() {
+    urgency_.assign(goals_.size(), 1);
+    attract(std::vector<Symmetric>(goals_.size(), {1, 1, 1, 0, 0, 0}));
+  }
+
+  void approach(int sweep_count) {
+    advance();
+    awake_.assign(mesh_.nodes.size(), true);
+    for (int sweep = 0; sweep < sweep_count; ++sweep) smooth();
+  }
+
+  /// Across the surface only: along it, goals are mere wishes.
+  std::size_t count_held_back() const {
     std::size_t count = 0;
-    for (std::size_t s = 0; s < surface_.size(); ++s) {
-      const std::size_t i = at(surface_[s]);
-      const double way = squared_norm(subtract(goals_[s], start[i]));
-      if (squared_norm(subtract(goals_[s], mesh_.nodes[i])) > arrived * arrived * way) ++count;
+    for (std::size_t v = 0; v < goals_.size(); ++v) {
+      const auto& [goal, stiffness] = attractions_[v];
+      const Point left = subtract(goal, mesh_.nodes[at(surface_.nodes[v])]);
+      const double across2 = dot(left, times(stiffness, left)) / (across * urgency_[v]);
+      if (across2 > held_back * held_back) ++count;
     }
     return count;
   }
 
-  bool is_sound(std::size_t tet) const {
-    return quality(mesh_.tets[tet], mesh_.nodes) >=
-           std::min(least_mean_ratio, least_kept * unfitted_[tet]);
+  /// What is left to go at the boundary, carried into the inside as a harmonic field.
+  std::vector<Point> moves() const {
+    std::vector<Point> moves(mesh_.nodes.size());
+    for (std::size_t v = 0; v < goals_.size(); ++v) {
+      const std::size_t i = at(surface_.nodes[v]);
+      moves[i] = subtract(goals_[v], mesh_.nodes[i]);
+    }
+    for (int sweep = 0; sweep < harmonic_sweeps; ++sweep)
+      for (std::size_t i = 0; i < moves.size(); ++i)
+        if (surface_.vertex_of[i] < 0) moves[i] = mean_around(moves, i);
+    return moves;
+  }
+
+  Point mean_around(const std::vector<Point>& values, std::size_t node) const {
+    Point sum{};
+    std::size_t count = 0;
+    for (const auto& [tet, corner] : optimizer_.node_tets().of(node))
+      for (const Index j : mesh_.tets[at(tet)])
+        if (at(j) != node) {
+          sum = add(sum, values[at(j)]);
+          ++count;
+        }
+    return scaled(sum, 1 / static_cast<double>(std::max<std::size_t>(count, 1)));
   }
 
   /// All nodes set out at once; those of a tet that would suffer too much halve their step and, in the
   /// end, stay, until every tet is sound. Tets are sound at the start, so this ends.
-  void move_towards_goals() {
-    const std::vector<Point> start = mesh_.nodes;
-    std::vector<int> halvings(start.size(), 0);
+  void advance() {
+    const std::vector<Point> from = mesh_.nodes, step = moves();
+    std::vector<double> least(mesh_.tets.size());
+    for (std::size_t t = 0; t < least.size(); ++t)
+      least[t] = std::min(sound_on_the_way, least_step_kept * optimizer_.kept(t));
+    std::vector<int> halvings(from.size(), 0);
     for (bool all_sound = false; !all_sound;) {
-      place(start, halvings);
+      for (std::size_t i = 0; i < from.size(); ++i)
+        mesh_.nodes[i] = halvings[i] >= most_halvings
+                             ? from[i]
+                             : add_scaled(from[i], std::ldexp(1.0, -halvings[i]), step[i]);
       all_sound = true;
-      std::vector<bool> shorten(start.size(), false);
-      for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
-        if (!is_sound(t))
+      std::vector<bool> shorten(from.size(), false);
+      for (std::size_t t = 0; t < least.size(); ++t)
+        if (!(optimizer_.kept(t) >= least[t]))
           for (const Index i : mesh_.tets[t]) shorten[at(i)] = true;
-      for (const Index i : surface_)
-        if (shorten[at(i)] && halvings[at(i)] < most_halvings) {
-          ++halvings[at(i)];
+      for (std::size_t i = 0; i < from.size(); ++i)
+        if (shorten[i] && halvings[i] < most_halvings) {
+          ++halvings[i];
           all_sound = false;
         }
     }
   }
 
-  void place(const std::vector<Point>& start, const std::vector<int>& halvings) {
-    for (std::size_t s = 0; s < surface_.size(); ++s) {
-      const std::size_t i = at(surface_[s]);
-      const double step = halvings[i] == most_halvings ? 0 : std::ldexp(1.0, -halvings[i]);
-      mesh_.nodes[i] =
-          step == 1 ? goals_[s] : add_scaled(start[i], step, subtract(goals_[s], start[i]));
+  /// Every node to where it is best; a node at rest is left alone until one beside it moves.
+  void smooth() {
+    for (std::size_t i = 0; i < mesh_.nodes.size(); ++i) {
+      if (!awake_[i]) continue;
+      const Index v = surface_.vertex_of[i];
+      const Point from = mesh_.nodes[i];
+      mesh_.nodes[i] = optimizer_.improved(i, v < 0 ? Attraction{} : attractions_[at(v)]);
+      awake_[i] = false;
+      if (squared_norm(subtract(mesh_.nodes[i], from)) > rest2_[i]) wake_around(i);
     }
   }
 
-  void smooth_inside() {
-    for (int sweep = 0; sweep < smoothing_sweeps; ++sweep)
-      for (std::size_t i = 0; i < mesh_.nodes.size(); ++i)
-        if (!is_surface_[i] && has_suffered(i)) smooth(i);
-  }
-
-  bool has_suffered(std::size_t node) const {
-    return std::ranges::any_of(node_tets_.of(node), [&](std::size_t t) {
-      return quality(mesh_.tets[t], mesh_.nodes) < suffered * unfitted_[t];
-    });
-  }
-
-  double worst_around(std::size_t node) const {
-    double worst = 1;
-    for (const std::size_t t : node_tets_.of(node))
-      worst = std::min(worst, quality(mesh_.tets[t], mesh_.nodes));
-    return worst;
-  }
-
-  /// Towards the middle of its tets, all or half or a quarter of the way, if the worst tet gains.
-  void smooth(std::size_t node) {
-    const Point start = mesh_.nodes[node];
-    const double before = worst_around(node);
-    Point sum{};
-    for (const std::size_t t : node_tets_.of(node))
-      for (const Index i : mesh_.tets[t]) sum = add(sum, mesh_.nodes[at(i)]);
-    const Point middle = scaled(sum, 0.25 / static_cast<double>(node_tets_.of(node).size()));
-    for (const double step : {1.0, 0.5, 0.25}) {
-      mesh_.nodes[node] = add_scaled(start, step, subtract(middle, start));
-      if (worst_around(node) > before) return;
-    }
-    mesh_.nodes[node] = start;
+  void wake_around(std::size_t node) {
+    for (const auto& [tet, corner] : optimizer_.node_tets().of(node))
+      for (const Index i : mesh_.tets[at(tet)]) awake_[at(i)] = true;
   }
 
   TetMesh& mesh_;
-  NodeTets node_tets_;
-  std::vector<Index> surface_;
-  std::vector<bool> is_surface_;
-  std::vector<Point> goals_;      ///< of surface_[k], m
-  std::vector<double> unfitted_;  ///< quality of every tet before any move
+  const TargetSurface& target_;
+  FitRule rule_;
+  LevelSurface surface_;
+  ShapeOptimizer optimizer_;
+  std::vector<Point> start_, goals_;  ///< of the surface's vertices, m
+  std::vector<double> urgency_;       ///< of the surface's vertices: factors of `across`
+  std::vector<Attraction> attractions_;
+  std::vector<bool> awake_;    ///< nodes to be smoothed
+  std::vector<double> rest2_;  ///< square of the move below which a node rests, m^2
 };
 
 }  // namespace
 
-double mean_ratio(const Point& a, const Point& b, const Point& c, const Point& d) {
-  double edges2 = 0;
-  for (const Point& e :
-       {subtract(b, a), subtract(c, a), subtract(d, a), subtract(c, b), subtract(d, b), subtract(d, c)})
-    edges2 += squared_norm(e);
-  if (!(edges2 > 0)) return 0;
-  const double volume3 = signed_volume6(a, b, c, d) / 2;
-  return std::copysign(12 * std::pow(std::abs(volume3), 2.0 / 3.0) / edges2, volume3);
-}
-
 std::size_t fit_to_surface(TetMesh& mesh, const std::vector<Triangle>& boundary,
-                           const TriangleBvh& target) {
-  return Fitter(mesh, boundary, target).run();
+                           const std::vector<double>& parent_quality, const TargetSurface& target,
+                           FitRule rule) {
+  if (rule == FitRule::none) return 0;
+  return Fitter(mesh, boundary, parent_quality, target, rule).run();
 }
 
 }  // namespace souple

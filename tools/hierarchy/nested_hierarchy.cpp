@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/hierarchy/nested_hierarchy.hpp"
 
+#include <algorithm>
 #include <new>
 #include <string>
 
 #include "tools/geometry/surface_measure.hpp"
 #include "tools/geometry/triangle_bvh.hpp"
-#include "tools/geometry/vector.hpp"
+#include "tools/geometry/unit_frame.hpp"
 #include "tools/hierarchy/fit_surface.hpp"
+#include "tools/hierarchy/level_embedding.hpp"
+#include "tools/hierarchy/level_report.hpp"
 #include "tools/hierarchy/refine.hpp"
-#include "tools/volume/tetrahedralize.hpp"
+#include "tools/hierarchy/target_surface.hpp"
+#include "tools/hierarchy/tet_shape.hpp"
+#include "tools/hierarchy/tet_weights.hpp"
 
 namespace souple {
 namespace {
@@ -17,26 +22,14 @@ namespace {
 constexpr int most_levels = 5;
 constexpr std::size_t most_tets = 40'000'000;
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-Status check_tet_mesh(const TetMesh& mesh) {
-  if (mesh.tets.empty()) return make_issue(IssueCode::mesh_element_invalid, "the mesh has no tets");
-  for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
-    if (!is_finite(mesh.nodes[i]))
-      return make_issue(IssueCode::mesh_element_invalid,
-                        "node " + std::to_string(i) + " is not finite");
-  for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
-    const Tet& tet = mesh.tets[t];
-    for (const Index i : tet)
-      if (i < 0 || at(i) >= mesh.nodes.size())
-        return make_issue(IssueCode::mesh_element_invalid,
-                          "tet " + std::to_string(t) + " names a node outside the mesh");
-    if (!(signed_volume6(mesh.nodes[at(tet[0])], mesh.nodes[at(tet[1])], mesh.nodes[at(tet[2])],
-                         mesh.nodes[at(tet[3])]) > 0))
-      return make_issue(IssueCode::mesh_element_invalid,
-                        "tet " + std::to_string(t) + " is flat or inverted");
-  }
-  return {};
+Status check_every_node_is_used(const TetMesh& mesh) {
+  std::vector<bool> used(mesh.nodes.size(), false);
+  for (const Tet& tet : mesh.tets)
+    for (const Index i : tet) used[static_cast<std::size_t>(i)] = true;
+  const auto unused = std::ranges::find(used, false);
+  if (unused == used.end()) return {};
+  return make_issue(IssueCode::mesh_element_invalid,
+                    "node " + std::to_string(unused - used.begin()) + " belongs to no tet");
 }
 
 Status check_options(const TetMesh& coarse, const TriangleMesh& target,
@@ -46,7 +39,8 @@ Status check_options(const TetMesh& coarse, const TriangleMesh& target,
                                                       " levels; 1 to " + std::to_string(most_levels) +
                                                       " are possible");
   if (const Status valid = check_tet_mesh(coarse); !valid) return valid;
-  if (const Status valid = check_triangle_mesh(target); !valid) return valid;
+  if (const Status valid = check_every_node_is_used(coarse); !valid) return valid;
+  if (const Status valid = check_target(target); !valid) return valid;
   const std::size_t finest = coarse.tets.size() << (3 * (options.level_count - 1));
   if (coarse.tets.size() > most_tets || finest > most_tets)
     return make_issue(IssueCode::hierarchy_too_large,
@@ -55,37 +49,74 @@ Status check_options(const TetMesh& coarse, const TriangleMesh& target,
   return {};
 }
 
-NestedLevelReport report_of(const MeshLevel& level, const TriangleBvh& target, std::size_t held_back) {
-  std::vector<Point> surface;
-  for (const Index i : used_nodes(level.boundary)) surface.push_back(level.mesh.nodes[at(i)]);
-  const SurfaceDistance distance = distance_from_surface(surface, target);
-  return {level.mesh.nodes.size(),
-          level.mesh.tets.size(),
-          measure_tet_quality(level.mesh).min_dihedral_deg,
-          distance.largest,
-          distance.root_mean_square,
-          held_back};
+/// Eight times the quality of every tet, once for each child.
+std::vector<double> qualities_for_children(const TetMesh& coarse) {
+  std::vector<double> qualities;
+  qualities.reserve(8 * coarse.tets.size());
+  for (const Tet& tet : coarse.tets)
+    qualities.insert(qualities.end(), 8, mean_ratio(tet, coarse.nodes));
+  return qualities;
+}
+
+/// What refinement and fit gave, in units of the frame.
+struct FittedLevel {
+  RefinedMesh fine;
+  std::vector<Triangle> boundary;
+  std::size_t held_back_count = 0;
+};
+
+FittedLevel next_level(const TetMesh& coarser, const TargetSurface& target,
+                       const NestedHierarchyOptions& options) {
+  FittedLevel level{refine_red(coarser, options.diagonal), {}, 0};
+  level.boundary = boundary_triangles(level.fine.mesh.tets);
+  level.held_back_count = fit_to_surface(level.fine.mesh, level.boundary,
+                                         qualities_for_children(coarser), target, options.fit);
+  return level;
+}
+
+/// Where nothing is fitted, midpoints are taken in metres: exact.
+TetMesh in_metres(const FittedLevel& level, const MeshLevel& coarser, const UnitFrame& frame,
+                  FitRule rule) {
+  if (rule != FitRule::none) return {frame.to_metres(level.fine.mesh.nodes), level.fine.mesh.tets};
+  TetMesh mesh{{}, level.fine.mesh.tets};
+  mesh.nodes.reserve(level.fine.parents.size());
+  for (const auto& [a, b] : level.fine.parents) {
+    const Point& p = coarser.mesh.nodes[static_cast<std::size_t>(a)];
+    const Point& q = coarser.mesh.nodes[static_cast<std::size_t>(b)];
+    mesh.nodes.push_back({0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]), 0.5 * (p[2] + q[2])});
+  }
+  return mesh;
 }
 
 }  // namespace
 
-Result<NestedHierarchy> build_nested_hierarchy(const TetMesh& coarse, const TriangleMesh& target,
-                                               const NestedHierarchyOptions& options) try {
+Result<Hierarchy> build_nested_hierarchy(const TetMesh& coarse, const TriangleMesh& target,
+                                         const NestedHierarchyOptions& options) try {
   if (const Status valid = check_options(coarse, target, options); !valid) return valid.issue();
-  const TriangleBvh target_bvh(target);
-  NestedHierarchy hierarchy;
-  hierarchy.levels.push_back({coarse, boundary_triangles(coarse.tets), {}});
-  hierarchy.reports.push_back(report_of(hierarchy.levels.front(), target_bvh, 0));
+  const UnitFrame frame(coarse.nodes);
+  TetMesh unit{frame.to_unit(coarse.nodes), coarse.tets};
+  if (const Status valid = check_tet_mesh(unit); !valid) return valid.issue();
+  const TargetSurface unit_target({frame.to_unit(target.vertices), target.triangles});
+  const TriangleBvh target_triangles(target);
+  Hierarchy hierarchy;
+  hierarchy.levels.push_back({coarse, boundary_triangles(coarse.tets), {}, {}, {}});
+  hierarchy.reports.push_back(report_of(hierarchy.levels.front(), target, target_triangles));
   for (int l = 1; l < options.level_count; ++l) {
-    RefinedMesh fine = refine_red(hierarchy.levels.back().mesh);
-    MeshLevel& level = hierarchy.levels.emplace_back();
-    level.mesh = std::move(fine.mesh);
-    level.parents = std::move(fine.parents);
-    level.boundary = boundary_triangles(level.mesh.tets);
-    const std::size_t held_back =
-        options.fit_surface ? fit_to_surface(level.mesh, level.boundary, target_bvh) : 0;
+    FittedLevel fitted = next_level(unit, unit_target, options);
+    const MeshLevel& coarser = hierarchy.levels.back();
+    MeshLevel level;
+    level.mesh = in_metres(fitted, coarser, frame, options.fit);
     if (const Status positive = check_tet_mesh(level.mesh); !positive) return positive.issue();
-    hierarchy.reports.push_back(report_of(level, target_bvh, held_back));
+    level.boundary = std::move(fitted.boundary);
+    level.parents = std::move(fitted.fine.parents);
+    level.embedding = embed_children(level.mesh.nodes, level.parents, coarser.mesh);
+    level.rigid_motion_error = measure_rigid_motion(level, coarser.mesh);
+    LevelReport report = report_of(level, target, target_triangles);
+    report.held_back_count = fitted.held_back_count;
+    report.children = child_quality(level.mesh, qualities_for_children(coarser.mesh));
+    hierarchy.levels.push_back(std::move(level));
+    hierarchy.reports.push_back(report);
+    unit = std::move(fitted.fine.mesh);
   }
   return hierarchy;
 } catch (const std::bad_alloc&) {

@@ -4,7 +4,6 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -19,68 +18,9 @@ namespace {
 
 constexpr double gravity_m_s2 = 9.81;
 
-// The decimated surface keeps more faces than the coarse mesh will have: collapsing further makes thin
-// limbs cut themselves (dino.off, 1250 tets: the mesher fails on 1000 faces and works on 1500).
-constexpr double faces_per_boundary_face = 4;
-constexpr double fewest_faces = 1500;
-
 // Outside these the model still works, but it is seldom what was meant.
 constexpr double puddle_ratio = 2;
 constexpr double rock_ratio = 1e-4;
-
-/// Tells the sink of the stage and keeps its time.
-class Stages {
- public:
-  Stages(ProgressSink& sink, std::vector<StageTime>& times) : sink_(sink), times_(times) {}
-
-  template <class Work>
-  auto run(const std::string& name, const Work& work) {
-    sink_.stage(name);
-    const auto begin = std::chrono::steady_clock::now();
-    auto result = work();
-    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-    times_.push_back({name, wall.count()});
-    return result;
-  }
-
- private:
-  ProgressSink& sink_;
-  std::vector<StageTime>& times_;
-};
-
-/// Edge of the regular tet of which `count` fill the volume: V = a^3 / (6 sqrt 2).
-double edge_for(double volume_m3, double count) {
-  return std::cbrt(6 * std::sqrt(2.0) * volume_m3 / count);
-}
-
-double refinement(const Recipe& recipe) {
-  return std::pow(8.0, static_cast<double>(chosen_levels(recipe.mesh) - 1));
-}
-
-TetrahedralizeOptions coarse_options(const Recipe& recipe) {
-  TetrahedralizeOptions options;
-  const auto tets = static_cast<double>(recipe.mesh.tets);
-  options.target_tet_count = static_cast<std::size_t>(std::llround(tets / refinement(recipe)));
-  options.edge_length_m = recipe.mesh.edge_length_m * std::cbrt(refinement(recipe));
-  return options;
-}
-
-std::size_t decimated_face_count(const TriangleMesh& surface, const TetrahedralizeOptions& coarse) {
-  const double edge = coarse.edge_length_m > 0 ? coarse.edge_length_m
-                                               : edge_for(std::abs(signed_volume(surface)),
-                                                          static_cast<double>(coarse.target_tet_count));
-  const double boundary_faces = surface_area(surface) / (std::sqrt(3.0) / 4 * edge * edge);
-  const double faces = std::max(faces_per_boundary_face * boundary_faces, fewest_faces);
-  return faces < 1e9 ? static_cast<std::size_t>(faces) : std::size_t{1'000'000'000};
-}
-
-Material material_of(const MaterialSettings& settings) {
-  Material material;
-  material.regions.push_back({"default", settings.young_pa, settings.poisson, settings.density_kg_m3});
-  material.rayleigh_mass_per_s = settings.rayleigh_mass_per_s;
-  material.rayleigh_stiffness_s = settings.rayleigh_stiffness_s;
-  return material;
-}
 
 Status select_fixed_sets(const Recipe& recipe, Asset& asset) {
   for (const FixedRequest& request : recipe.fixed) {
@@ -140,62 +80,29 @@ std::uint64_t peak_memory_bytes() {
   return 1024 * static_cast<std::uint64_t>(std::max(self.ru_maxrss, children.ru_maxrss));  // KiB
 }
 
-/// Meshes the decimated surface or, if the mesher cannot (decimation may leave self-intersections), the
-/// whole one. With several levels the mend of a refusal names that way out too.
-Result<TetrahedralizedVolume> mesh_coarsest(const TriangleMesh& decimated, const TriangleMesh& whole,
-                                            const TetrahedralizeOptions& options, const Recipe& recipe,
-                                            std::vector<std::string>& notes) {
-  auto volume = tetrahedralize(decimated, options);
-  if (!volume && decimated.triangles.size() < whole.triangles.size()) {
-    auto again = tetrahedralize(whole, options);
-    if (again)
-      notes.push_back("the decimated surface could not be meshed; the whole one was: " +
-                      volume.issue().what);
-    volume = std::move(again);
-  }
-  if (volume || chosen_levels(recipe.mesh) == 1) return volume;
-  Issue issue = volume.issue();
-  issue.mend = std::string(mend_of(issue)) + " The coarsest of " +
-               std::to_string(chosen_levels(recipe.mesh)) +
-               " levels is what failed: fewer levels (--levels) make it finer.";
-  return issue;
-}
-
-/// From the file to the levels of the mesh.
-Status build_meshes(const Recipe& recipe, Stages& stages, BakeOutcome& outcome) {
-  BakeReport& report = outcome.report;
-  auto imported = stages.run("import", [&] {
-    ImportOptions options;
-    options.unit = recipe.surface.unit;
-    options.size_m = recipe.surface.size_m;
-    return import_surface(recipe.surface.file, options);
+/// An asset that lacks only compliances.
+Status finish_body(BodyMesh body, const Recipe& recipe, const std::string& generator, Stages& stages,
+                   BakeOutcome& outcome) {
+  Asset& asset = outcome.asset;
+  asset.levels = std::move(body.levels);
+  asset.visual = std::move(body.visual);
+  outcome.report.mesh = std::move(body.report);
+  outcome.report.notes = outcome.report.mesh.notes;
+  const TetMesh& finest = asset.levels.back().mesh;
+  outcome.report.finest_quality = measure_tet_quality(finest);
+  auto regions = stages.run("material", [&] {
+    return assign_regions(recipe, finest, body.labels, outcome.report.mesh.scale);
   });
-  if (!imported) return imported.issue();
-  report.import = imported->report;
-  auto oriented = stages.run("orient", [&] { return orient_closed_surface(imported->mesh); });
-  if (!oriented) return oriented.issue();
-  report.orient = oriented->report;
-  const TriangleMesh& surface = oriented->mesh;
-
-  const TetrahedralizeOptions coarse = coarse_options(recipe);
-  auto decimated = stages.run(
-      "decimate", [&] { return decimate_surface(surface, {decimated_face_count(surface, coarse)}); });
-  if (!decimated) return decimated.issue();
-  report.decimate = decimated->report;
-  auto volume = stages.run("tetrahedralize", [&] {
-    return mesh_coarsest(decimated->mesh, surface, coarse, recipe, report.notes);
-  });
-  if (!volume) return volume.issue();
-  report.coarse = volume->report;
-  auto hierarchy = stages.run("hierarchy", [&] {
-    NestedHierarchyOptions options;
-    options.level_count = static_cast<int>(chosen_levels(recipe.mesh));
-    return build_nested_hierarchy(volume->mesh, surface, options);
-  });
-  if (!hierarchy) return hierarchy.issue();
-  report.levels = std::move(hierarchy->reports);
-  outcome.asset.levels = std::move(hierarchy->levels);
-  report.finest_quality = measure_tet_quality(outcome.asset.levels.back().mesh);
+  if (!regions) return regions.issue();
+  asset.material = {std::move(regions->regions), std::move(regions->tet_region),
+                    recipe.material.rayleigh_mass_per_s, recipe.material.rayleigh_stiffness_s};
+  outcome.report.regions = std::move(regions->reports);
+  if (auto status = select_fixed_sets(recipe, asset); !status) return status;
+  describe_scale(recipe, asset, outcome.report);
+  Recipe effective = recipe;
+  effective.mesh.levels = static_cast<std::int64_t>(asset.levels.size());
+  asset.provenance = {generator, canonical_recipe_text(effective), outcome.report.mesh.input_name,
+                      outcome.report.mesh.input_hash + regions->file_hashes};
   return {};
 }
 
@@ -205,18 +112,29 @@ Result<BakeOutcome> bake_asset(const Recipe& recipe, const std::string& generato
   if (auto status = check_recipe(recipe); !status) return status.issue();
   BakeOutcome outcome;
   Stages stages(sink, outcome.report.stages);
-  if (auto status = build_meshes(recipe, stages, outcome); !status) return status.issue();
-  outcome.asset.material = material_of(recipe.material);
-  if (auto status = select_fixed_sets(recipe, outcome.asset); !status) return status.issue();
-  describe_scale(recipe, outcome.asset, outcome.report);
+  auto body = build_body_mesh(recipe, stages);
+  if (!body) return body.issue();
+  if (auto status = finish_body(std::move(*body), recipe, generator, stages, outcome); !status)
+    return status.issue();
   for (const ComplianceRequest& request : recipe.compliances) {
     auto variant = stages.run("compliance " + request.name,
                               [&] { return compute_variant(request, outcome.asset, sink); });
     if (!variant) return variant.issue();
     outcome.asset.compliances.push_back(std::move(*variant));
   }
-  outcome.asset.provenance = {generator, canonical_recipe_text(recipe),
-                              recipe.surface.file.filename().string(), outcome.report.import.file_hash};
+  outcome.report.peak_memory_bytes = peak_memory_bytes();
+  return outcome;
+}
+
+Result<BakeOutcome> bake_hierarchy(const std::vector<std::filesystem::path>& meshes,
+                                   const Recipe& recipe, const std::string& generator,
+                                   ProgressSink& sink) {
+  BakeOutcome outcome;
+  Stages stages(sink, outcome.report.stages);
+  auto body = build_hierarchy_of(meshes, recipe, stages);
+  if (!body) return body.issue();
+  if (auto status = finish_body(std::move(*body), recipe, generator, stages, outcome); !status)
+    return status.issue();
   outcome.report.peak_memory_bytes = peak_memory_bytes();
   return outcome;
 }

@@ -1,44 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The pipeline: surface file -> prepared surface -> coarse tets -> hierarchy -> compliances -> asset.
+// The pipeline: file -> mesh of the body -> material and fixed sets -> compliances -> asset.
 #pragma once
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "formats/core/asset.hpp"
 #include "formats/core/result.hpp"
 #include "formats/read/asset_reader.hpp"
-#include "tools/hierarchy/nested_hierarchy.hpp"
+#include "tools/recipe/body_mesh.hpp"
+#include "tools/recipe/parts.hpp"
 #include "tools/recipe/recipe.hpp"
-#include "tools/surface/decimate.hpp"
-#include "tools/surface/import_surface.hpp"
-#include "tools/surface/prepare.hpp"
-#include "tools/volume/tetrahedralize.hpp"
+#include "tools/recipe/stages.hpp"
 
 namespace souple {
-
-/// Hears how far a bake is. Called from the baking thread.
-class ProgressSink {
- public:
-  virtual ~ProgressSink() = default;
-  virtual void stage(std::string_view name) = 0;  ///< the stage that begins
-  virtual void fraction(double done) = 0;         ///< of the stage, in [0, 1]
-};
-
-struct StageTime {
-  std::string name;
-  double wall_s = 0;
-};
 
 /// What people and build systems want to know of a bake. Nothing of it enters the asset.
 struct BakeReport {
   std::vector<StageTime> stages;
-  ImportReport import;
-  OrientReport orient;
-  DecimateReport decimate;
-  TetrahedralizeReport coarse;
-  std::vector<NestedLevelReport> levels;
+  BodyMeshReport mesh;
+  std::vector<RegionReport> regions;  ///< empty: one material
   TetQuality finest_quality;
   Point box_min{}, box_max{};  ///< of the final mesh, m: the frame of [[fixed]] selections
   double longest_side_m = 0;
@@ -61,6 +42,11 @@ struct BakeOutcome {
 /// `generator` goes into the provenance ("souple 0.1.0"). The asset depends on the recipe and on the
 /// surface's bytes only. Issues: those of check_recipe and of the stages.
 Result<BakeOutcome> bake_asset(const Recipe& recipe, const std::string& generator, ProgressSink& sink);
+
+/// An asset without compliances from given tet meshes (build_hierarchy_of).
+Result<BakeOutcome> bake_hierarchy(const std::vector<std::filesystem::path>& meshes,
+                                   const Recipe& recipe, const std::string& generator,
+                                   ProgressSink& sink);
 
 /// Writes the asset and adds to the report what it costs. Issues of write_asset.
 Status write_baked_asset(BakeOutcome& outcome, const std::filesystem::path& file, ProgressSink& sink);

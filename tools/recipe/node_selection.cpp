@@ -70,13 +70,16 @@ Result<FixedSet> select_nodes(const FixedRequest& request, const std::vector<Poi
   set.nodes =
       std::visit([&](const auto& selection) { return nodes_of(selection, nodes); }, request.selection);
   if (!set.nodes.empty() && set.nodes.size() < nodes.size()) return set;
-  const Box box = bounding_box(nodes);
   return make_issue(IssueCode::fixed_set_invalid,
                     std::string("the selection holds ") + (set.nodes.empty() ? "none" : "all") +
                         " of the " + std::to_string(nodes.size()) + " nodes",
                     "[[fixed]] " + request.name,
-                    "Select with respect to the final mesh, which spans " + point_text(box.low) +
-                        " .. " + point_text(box.high) + " m.");
+                    "Select with respect to the final mesh, which spans " + span_text(nodes) + ".");
+}
+
+std::string span_text(const std::vector<Point>& points) {
+  const Box box = bounding_box(points);
+  return point_text(box.low) + " .. " + point_text(box.high) + " m";
 }
 
 }  // namespace souple

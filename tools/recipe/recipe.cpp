@@ -7,7 +7,9 @@
 
 #include "formats/core/limits.hpp"
 #include "formats/core/names.hpp"
+#include "tools/exchange/nearest_name.hpp"
 #include "tools/exchange/strict_toml.hpp"
+#include "tools/exchange/tet_file.hpp"
 #include "tools/recipe/recipe_parameters.hpp"
 
 namespace souple {
@@ -35,7 +37,7 @@ void parse_scalars(TomlTable& root, Recipe& recipe) {
   TomlTable surface = root.table("surface");
   if (const auto file = surface.text("file")) recipe.surface.file = *file;
   TomlTable mesh = root.table("mesh");
-  if (mesh.has("tets") && recipe.mesh.edge_length_m > 0)
+  if (recipe.mesh.tets > 0 && recipe.mesh.edge_length_m > 0)
     mesh.refuse(IssueCode::usage_conflict, "a count of tets and an edge length were given", "tets");
 }
 
@@ -77,18 +79,61 @@ NearestSelection parse_nearest(TomlTable nearest) {
           nearest.integer("count", 1, 1'000'000'000).value_or(1)};
 }
 
+/// Whether exactly one of `kinds` is there; refuses otherwise, at `key`.
+bool has_one_of(TomlTable& entry, std::span<const std::string> kinds, std::string_view key) {
+  const auto count = std::ranges::count_if(kinds, [&](const auto& kind) { return entry.has(kind); });
+  if (count == 1) return true;
+  entry.refuse(IssueCode::config_bad_value,
+               "exactly one of " + join_names(kinds) + " has to select a part; there are " +
+                   std::to_string(count),
+               key);
+  return false;
+}
+
+/// Where a part of the body is: the alternatives of `Part` whose words are in `kinds`, which holds
+/// "box" and "sphere" at least.
+template <class Part>
+Part parse_part(TomlTable& entry, std::span<const std::string> kinds, std::string_view key) {
+  if (!has_one_of(entry, kinds, key)) return {};
+  if (entry.has("box")) return parse_box(entry.table("box"));
+  if (entry.has("sphere")) return parse_sphere(entry.table("sphere"));
+  if constexpr (std::is_constructible_v<Part, GroupSelection>)
+    if (entry.has("group")) return GroupSelection{entry.text("group").value_or("")};
+  return FileSelection{entry.text("surface").value_or("")};
+}
+
+RefineRequest parse_refine(TomlTable& entry) {
+  entry.require("edge_length_m", "the edge length there");
+  RefineRequest request;
+  request.edge_length_m = entry.number("edge_length_m", {0, 1e5, true}).value_or(1);
+  static const std::array<std::string, 3> kinds{"box", "sphere", "surface"};
+  request.where = parse_part<decltype(request.where)>(entry, kinds, "edge_length_m");
+  request.distance_m = entry.number("distance_m", {0, 1e5}).value_or(0);
+  if (std::holds_alternative<FileSelection>(request.where) && !(request.distance_m > 0))
+    entry.refuse(IssueCode::config_missing_key, "a patch of surface needs a distance_m above 0",
+                 "surface");
+  return request;
+}
+
+RegionRequest parse_region(TomlTable& entry, const MaterialSettings& standard) {
+  entry.require("name", "what reports call the region");
+  RegionRequest request;
+  request.name = entry.plain_name("name").value_or("");
+  request.young_pa = entry.number("young_pa", {0, 1e15, true}).value_or(standard.young_pa);
+  request.poisson = entry.number("poisson", {-1, 0.5, true, true}).value_or(standard.poisson);
+  request.density_kg_m3 = entry.number("density", {0, 1e6, true}).value_or(standard.density_kg_m3);
+  static const std::array<std::string, 4> kinds{"box", "sphere", "surface", "group"};
+  request.where = parse_part<decltype(request.where)>(entry, kinds, "name");
+  return request;
+}
+
 FixedRequest parse_fixed(TomlTable& entry) {
   entry.require("name", "what scenes call the set");
   FixedRequest request;
   request.name = entry.plain_name("name").value_or("");
-  static constexpr std::array<std::string_view, 4> kinds{"box", "sphere", "plane", "nearest"};
-  const auto count = std::ranges::count_if(kinds, [&](auto kind) { return entry.has(kind); });
-  if (count != 1)
-    entry.refuse(IssueCode::config_bad_value,
-                 "exactly one of box, sphere, plane, nearest has to select the nodes; there are " +
-                     std::to_string(count),
-                 "name");
-  else if (entry.has("box"))
+  static const std::array<std::string, 4> kinds{"box", "sphere", "plane", "nearest"};
+  if (!has_one_of(entry, kinds, "name")) return request;
+  if (entry.has("box"))
     request.selection = parse_box(entry.table("box"));
   else if (entry.has("sphere"))
     request.selection = parse_sphere(entry.table("sphere"));
@@ -143,46 +188,90 @@ Status check_compliance(const Recipe& recipe, const ComplianceRequest& request) 
   return {};
 }
 
-Status check_resolution(const MeshSettings& mesh) {
-  if (mesh.edge_length_m > 0) return {};
-  const std::int64_t levels = chosen_levels(mesh);
+Status check_resolution(const Recipe& recipe) {
+  const std::int64_t tets = chosen_tets(recipe);
+  if (tets == 0) return {};
+  const std::int64_t levels = chosen_levels(recipe);
   const std::int64_t refinement = std::int64_t{1} << (3 * (levels - 1));
-  if (mesh.tets / refinement >= coarsest_tets) return {};
+  if (tets / refinement >= coarsest_tets) return {};
   return wrong(
       IssueCode::recipe_too_few_tets,
-      std::to_string(mesh.tets) + " tets on " + std::to_string(levels) + " levels leave " +
-          std::to_string(mesh.tets / refinement) + " for the coarsest; at least " +
+      std::to_string(tets) + " tets on " + std::to_string(levels) + " levels leave " +
+          std::to_string(tets / refinement) + " for the coarsest; at least " +
           std::to_string(coarsest_tets) + " are needed",
       "[mesh] tets, levels",
       "Ask for at least " + std::to_string(coarsest_tets * refinement) + " tets, or for fewer levels.");
 }
 
+Status check_groups(const Recipe& recipe) {
+  if (keeps_given_tets(recipe)) return {};
+  for (const RegionRequest& request : recipe.regions)
+    if (std::holds_alternative<GroupSelection>(request.where))
+      return wrong(IssueCode::usage_conflict, "a group is a label of a given tet mesh",
+                   "[[material.region]] " + request.name,
+                   "Select by box, sphere or surface where the mesh is made anew.");
+  return {};
+}
+
+/// What only the mesher does cannot be asked of tets that are taken as they are.
+Status check_given_tets(const Recipe& recipe) {
+  const MeshSettings standard;
+  const MeshSettings& mesh = recipe.mesh;
+  std::string key;
+  if (mesh.mesher != standard.mesher) key = "mesher";
+  if (mesh.features != standard.features) key = "features";
+  if (mesh.interior_coarsening != standard.interior_coarsening) key = "interior_coarsening";
+  if (mesh.hierarchy != standard.hierarchy) key = "hierarchy";
+  if (!recipe.refine.empty()) key = "refine";
+  if (key.empty()) return {};
+  return wrong(IssueCode::usage_conflict, "the tet mesh is taken as it is, without a mesher",
+               "[mesh] " + key, "Leave it out, or give tets (--tets) to mesh the boundary anew.");
+}
+
+/// The entries of one array of tables, each parsed; too many are refused.
+template <class Entry, class Parse>
+void parse_entries(TomlTable owner, std::string_view key, std::vector<Entry>& entries,
+                   const Parse& parse) {
+  auto tables = owner.tables(key);
+  if (tables.empty()) return;
+  entries.clear();
+  if (tables.size() > limits::parts)
+    return owner.refuse(IssueCode::config_bad_value,
+                        "more than " + std::to_string(limits::parts) + " entries", key);
+  for (TomlTable& table : tables) entries.push_back(parse(table));
+}
+
 Result<Recipe> parse_recipe_table(TomlTable& root) {
   Recipe recipe;
   parse_scalars(root, recipe);
-  if (root.table("material").has("region"))
-    root.table("material")
-        .refuse(IssueCode::unsupported_feature, "materials by region are not supported", "region",
-                "Give one material in [material].");
-  auto fixed = root.tables("fixed");
-  auto compliances = root.tables("compliance");
-  if (fixed.size() > limits::parts || compliances.size() > limits::parts)
-    root.refuse(IssueCode::config_bad_value, "more than " + std::to_string(limits::parts) + " entries",
-                fixed.size() > limits::parts ? "fixed" : "compliance");
-  else
-    for (TomlTable& entry : fixed) recipe.fixed.push_back(parse_fixed(entry));
-  if (!compliances.empty()) recipe.compliances.clear();
-  for (TomlTable& entry : compliances) recipe.compliances.push_back(parse_compliance(entry));
+  parse_entries(root.table("mesh"), "refine", recipe.refine, parse_refine);
+  parse_entries(root.table("material"), "region", recipe.regions,
+                [&](TomlTable& entry) { return parse_region(entry, recipe.material); });
+  parse_entries(root, "fixed", recipe.fixed, parse_fixed);
+  parse_entries(root, "compliance", recipe.compliances, parse_compliance);
   if (auto status = root.finish(); !status) return status.issue();
   return recipe;
 }
 
 }  // namespace
 
-std::int64_t chosen_levels(const MeshSettings& mesh) {
+bool keeps_given_tets(const Recipe& recipe) {
+  return is_tet_file_name(recipe.surface.file) && recipe.mesh.tets == 0 &&
+         recipe.mesh.edge_length_m == 0 && recipe.mesh.max_error_m == 0;
+}
+
+std::int64_t chosen_tets(const Recipe& recipe) {
+  if (recipe.mesh.edge_length_m > 0 || keeps_given_tets(recipe)) return 0;
+  if (recipe.mesh.max_error_m > 0 && recipe.mesh.tets == 0) return 0;
+  return recipe.mesh.tets > 0 ? recipe.mesh.tets : default_tets;
+}
+
+std::int64_t chosen_levels(const Recipe& recipe) {
   constexpr std::int64_t shape_holding_tets = 1000;
-  if (mesh.levels > 0) return mesh.levels;
-  return mesh.edge_length_m > 0 || mesh.tets >= 8 * shape_holding_tets ? 2 : 1;
+  if (recipe.mesh.levels > 0) return recipe.mesh.levels;
+  if (keeps_given_tets(recipe)) return 1;
+  const std::int64_t tets = chosen_tets(recipe);
+  return tets == 0 || tets >= 8 * shape_holding_tets ? 2 : 1;
 }
 
 Result<Recipe> parse_recipe(std::string_view text, const std::string& name) {
@@ -195,8 +284,16 @@ Result<Recipe> read_recipe(const std::filesystem::path& file) {
   auto root = TomlTable::parse_file(file);
   if (!root) return root.issue();
   auto recipe = parse_recipe_table(*root);
-  if (recipe && recipe->surface.file.is_relative() && !recipe->surface.file.empty())
-    recipe->surface.file = file.parent_path() / recipe->surface.file;
+  if (!recipe) return recipe;
+  const auto resolve = [&](std::filesystem::path& name) {
+    if (name.is_relative() && !name.empty()) name = file.parent_path() / name;
+  };
+  const auto resolve_part = [&](auto& request) {
+    if (auto* surface = std::get_if<FileSelection>(&request.where)) resolve(surface->file);
+  };
+  resolve(recipe->surface.file);
+  std::ranges::for_each(recipe->refine, resolve_part);
+  std::ranges::for_each(recipe->regions, resolve_part);
   return recipe;
 }
 
@@ -207,11 +304,14 @@ Status check_recipe(const Recipe& recipe) {
   if (!is_valid_text(recipe.surface.file.filename().string()))
     return wrong(IssueCode::usage_bad_value, "the name of the surface file is not UTF-8",
                  "[surface] file", "Rename the file: the asset records its name.");
-  if (recipe.mesh.hierarchy != "nested")
-    return wrong(IssueCode::unsupported_feature,
-                 "a hierarchy of kind \"" + recipe.mesh.hierarchy + "\" is not supported",
-                 "[mesh] hierarchy", "Use hierarchy = \"nested\".");
-  if (auto status = check_resolution(recipe.mesh); !status) return status;
+  if (recipe.mesh.tets > 0 && recipe.mesh.max_error_m > 0)
+    return wrong(IssueCode::usage_conflict, "a count of tets and a largest error were given",
+                 "[mesh] tets, max_error_m", "Leave one of them out.");
+  if (keeps_given_tets(recipe))
+    if (auto status = check_given_tets(recipe); !status) return status;
+  if (auto status = check_resolution(recipe); !status) return status;
+  if (auto status = check_groups(recipe); !status) return status;
+  if (auto status = check_unique_names(recipe.regions, "[[material.region]]"); !status) return status;
   if (auto status = check_unique_names(recipe.fixed, "[[fixed]]"); !status) return status;
   if (auto status = check_unique_names(recipe.compliances, "[[compliance]]"); !status) return status;
   for (const ComplianceRequest& request : recipe.compliances)

@@ -15,16 +15,25 @@
 namespace souple {
 
 struct SurfaceSettings {
-  std::filesystem::path file;
-  std::string unit = "m";  ///< of the numbers in the file
-  double size_m = 0;       ///< longest side after scaling; 0: the file's own size
+  std::filesystem::path file;  ///< a surface or a tet mesh
+  std::string unit = "m";      ///< of the numbers in the file
+  double size_m = 0;           ///< longest side after scaling; 0: the file's own size
+  /// "auto", "mend" (never wrap; turn inverted and drop flat tets), "wrap", "off" (refuse instead).
+  std::string repair = "auto";
 };
 
 struct MeshSettings {
-  std::int64_t tets = 10000;  ///< about so many on the finest level; used when edge_length_m is 0
-  double edge_length_m = 0;   ///< > 0: edge length of the finest level
-  std::int64_t levels = 0;    ///< 0: chosen by chosen_levels
+  std::int64_t tets = 0;     ///< about so many on the finest level; 0: chosen by chosen_tets
+  double edge_length_m = 0;  ///< > 0: edge length of the finest level, instead of a count
+  double max_error_m = 0;    ///< > 0: the finest boundary stays within this distance of the surface
+  std::int64_t levels = 0;   ///< 0: chosen by chosen_levels
   std::string hierarchy = "nested";
+  std::string diagonal = "quality";  ///< of red refinement: "quality", "shortest", "fixed"
+  std::string fit = "projection";    ///< "projection", "least_squares", "nearest_three", "none"
+  std::string mesher = "auto";       ///< "auto", "delaunay", "lattice"
+  std::string features = "auto";     ///< sharp edges: "auto", "keep", "ignore"
+  double interior_coarsening = 1;    ///< edge deep inside over edge at the surface
+  std::string visual = "original";   ///< the surface stored for display: "original", "none"
 };
 
 struct MaterialSettings {
@@ -57,6 +66,33 @@ struct NearestSelection {
 };
 using NodeSelection = std::variant<BoxSelection, SphereSelection, PlaneSelection, NearestSelection>;
 
+/// A surface in a file of its own, in the unit of the main one and scaled with it.
+struct FileSelection {
+  std::filesystem::path file;
+};
+
+/// The tets that a given tet mesh labels so (physical group, reference, attribute).
+struct GroupSelection {
+  std::string name;
+};
+
+/// `[[mesh.refine]]`: an edge length of its own in a part of the body.
+struct RefineRequest {
+  double edge_length_m = 0;
+  /// Where; with distance_m > 0 all that is nearer than it to the piece of the surface in there.
+  std::variant<BoxSelection, SphereSelection, FileSelection> where;
+  double distance_m = 0;
+};
+
+/// `[[material.region]]`: another material where the middle of a tet lies inside; later ones win.
+struct RegionRequest {
+  std::string name;
+  double young_pa = 0;
+  double poisson = 0;
+  double density_kg_m3 = 0;
+  std::variant<BoxSelection, SphereSelection, FileSelection, GroupSelection> where;
+};
+
 struct FixedRequest {
   std::string name;
   NodeSelection selection;
@@ -74,6 +110,8 @@ struct Recipe {
   SurfaceSettings surface;
   MeshSettings mesh;
   MaterialSettings material;
+  std::vector<RefineRequest> refine;
+  std::vector<RegionRequest> regions;
   std::vector<FixedRequest> fixed;
   std::vector<ComplianceRequest> compliances{ComplianceRequest{}};
 };
@@ -81,7 +119,7 @@ struct Recipe {
 /// Every key is known, of its kind and in range, or the recipe is refused. Keys that are absent keep
 /// their default. `name` stands in messages. Issues: config_*, usage_conflict, unsupported_feature.
 Result<Recipe> parse_recipe(std::string_view text, const std::string& name);
-/// As parse_recipe; a relative surface file is taken relative to the recipe's folder.
+/// As parse_recipe; relative files are taken relative to the recipe's folder.
 Result<Recipe> read_recipe(const std::filesystem::path& file);
 
 /// What the keys must agree on among themselves, after command-line options were applied.
@@ -89,9 +127,20 @@ Result<Recipe> read_recipe(const std::filesystem::path& file);
 /// unsupported_feature.
 Status check_recipe(const Recipe& recipe);
 
+inline constexpr std::int64_t default_tets = 10000;
+
+/// Whether the file is a tet mesh (by its extension) that is taken as it is: no count, edge length or
+/// largest error was asked for. With one of them its boundary is meshed again.
+bool keeps_given_tets(const Recipe& recipe);
+
+/// The tets of the finest level: those asked for, or else 10000; 0 where an edge length, a largest
+/// error or a given mesh decides.
+std::int64_t chosen_tets(const Recipe& recipe);
+
 /// The levels of the hierarchy: those asked for, or else two where the coarser one keeps enough tets to
-/// hold the shape (dino.off and anchor.off lose limbs below about 1000), and one where it would not.
-std::int64_t chosen_levels(const MeshSettings& mesh);
+/// hold the shape (dino.off and anchor.off lose limbs below about 1000), and one where it would not. A
+/// given tet mesh is not refined unless asked for.
+std::int64_t chosen_levels(const Recipe& recipe);
 
 /// The effective recipe as TOML, every key written: the same text for the same recipe, wherever it was
 /// read from (the surface's folder is left out). parse_recipe reads it back.

@@ -34,7 +34,12 @@ std::string value_text(const ParameterTarget& target) {
   return toml_text(*std::get<std::string*>(target));
 }
 
+/// What every kind of selection looks like in a recipe.
 struct SelectionText {
+  std::string operator()(const FileSelection& s) const {
+    return "surface = " + toml_text(s.file.filename().string());
+  }
+  std::string operator()(const GroupSelection& s) const { return "group = " + toml_text(s.name); }
   std::string operator()(const BoxSelection& s) const {
     return "box = { min = " + point_text(s.min) + ", max = " + point_text(s.max) + " }";
   }
@@ -52,7 +57,9 @@ struct SelectionText {
 };
 
 std::string scalars_text(Recipe recipe) {
-  recipe.mesh.levels = chosen_levels(recipe.mesh);
+  const std::int64_t tets = chosen_tets(recipe), levels = chosen_levels(recipe);
+  recipe.mesh.tets = tets;
+  recipe.mesh.levels = levels;
   std::string text, table;
   for (const RecipeParameter& parameter : recipe_parameters()) {
     const bool by_edge = recipe.mesh.edge_length_m > 0;
@@ -66,6 +73,19 @@ std::string scalars_text(Recipe recipe) {
     text += std::string(parameter.key) + " = " + value_text(parameter.target(recipe)) + "\n";
   }
   return text;
+}
+
+std::string refine_text(const RefineRequest& request) {
+  std::string text = "\n[[mesh.refine]]\nedge_length_m = " + exact_text(request.edge_length_m) + "\n";
+  if (request.distance_m > 0) text += "distance_m = " + exact_text(request.distance_m) + "\n";
+  return text + std::visit(SelectionText{}, request.where) + "\n";
+}
+
+std::string region_text(const RegionRequest& request) {
+  return "\n[[material.region]]\nname = " + toml_text(request.name) +
+         "\nyoung_pa = " + exact_text(request.young_pa) + "\npoisson = " + exact_text(request.poisson) +
+         "\ndensity = " + exact_text(request.density_kg_m3) + "\n" +
+         std::visit(SelectionText{}, request.where) + "\n";
 }
 
 std::string compliance_text(const ComplianceRequest& request) {
@@ -82,6 +102,8 @@ std::string compliance_text(const ComplianceRequest& request) {
 
 std::string canonical_recipe_text(const Recipe& recipe) {
   std::string text = scalars_text(recipe);
+  for (const RefineRequest& request : recipe.refine) text += refine_text(request);
+  for (const RegionRequest& request : recipe.regions) text += region_text(request);
   for (const FixedRequest& request : recipe.fixed)
     text += "\n[[fixed]]\nname = " + toml_text(request.name) + "\n" +
             std::visit(SelectionText{}, request.selection) + "\n";

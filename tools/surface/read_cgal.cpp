@@ -16,6 +16,7 @@
 #include <string>
 
 #include "tools/surface/obj_text.hpp"
+#include "tools/surface/ply_text.hpp"
 #include "tools/surface/surface_readers.hpp"
 
 namespace souple {
@@ -101,13 +102,21 @@ Result<PolygonSoup> read_off(std::string_view bytes) {
   return soup;
 }
 
-Result<PolygonSoup> read_ply(std::string_view bytes) {
-  std::istringstream in{std::string(without_byte_order_mark(bytes))};
+bool scan_ply(std::string text, PolygonSoup& soup) {
+  std::istringstream in(std::move(text));
   CgalPoints points;
-  PolygonSoup soup;
-  if (!CGAL::IO::read_PLY(in, points, soup.polygons)) return diagnose(bytes, "ply");
+  if (!CGAL::IO::read_PLY(in, points, soup.polygons)) return false;
   append_points(points, soup);
-  return soup;
+  return true;
+}
+
+Result<PolygonSoup> read_ply(std::string_view bytes) {
+  PolygonSoup soup;
+  if (scan_ply(std::string(without_byte_order_mark(bytes)), soup)) return soup;
+  const auto plain = plain_ply_text(without_byte_order_mark(bytes));
+  soup = {};
+  if (plain && scan_ply(*plain, soup)) return soup;
+  return diagnose(bytes, "ply");
 }
 
 /// CGAL merges corners through an ordered map, in which a NaN would equal anything and vanish.

@@ -1,32 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/surface/soup_transfer.hpp"
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
 
 #include "tools/geometry/vector.hpp"
+#include "tools/process/child_answer.hpp"
 
 namespace souple {
 namespace {
 
-constexpr std::uint64_t magic = 0x3150554f53504c53;
-constexpr std::size_t longest_text = 1000;
-
 /// Native byte order: both ends are one program.
-struct Header {
-  std::uint64_t magic;
-  std::uint64_t issue_code;  ///< 0: a soup follows, else the text of the issue
-  std::uint64_t text_bytes;
-  std::uint64_t vertex_count;
-  std::uint64_t triangle_count;
-  std::uint64_t raw_vertex_count;
-  std::uint64_t raw_polygon_count;
-  std::uint64_t lost_triangle_count;
-  std::uint64_t checksum;  ///< XXH3 of everything after the header
+struct Counts {
+  std::uint64_t vertices;
+  std::uint64_t triangles;
+  std::uint64_t raw_vertices;
+  std::uint64_t raw_polygons;
+  std::uint64_t lost_triangles;
 };
 
 template <class T>
@@ -45,15 +36,6 @@ Issue damaged() {
   return make_issue(IssueCode::surface_reader_crashed, "the reader's answer is damaged");
 }
 
-Issue unpack_issue(const Header& header, std::string_view text) {
-  const IssueEntry* entry = find_issue_entry(std::to_string(header.issue_code));
-  if (entry == nullptr || text.size() != header.text_bytes) return damaged();
-  std::string printable(text.substr(0, longest_text));
-  std::ranges::replace_if(
-      printable, [](unsigned char c) { return c < 32 || c == 127; }, ' ');
-  return make_issue(entry->code, printable);
-}
-
 bool is_sound(const TriangleMesh& mesh) {
   const auto count = static_cast<Index>(mesh.vertices.size());
   return std::ranges::all_of(mesh.vertices, is_finite) &&
@@ -62,50 +44,44 @@ bool is_sound(const TriangleMesh& mesh) {
          });
 }
 
+std::string pack_soup(const TriangleSoup& soup) {
+  const Counts counts{soup.mesh.vertices.size(), soup.mesh.triangles.size(), soup.raw_vertex_count,
+                      soup.raw_polygon_count, soup.lost_triangle_count};
+  std::string out(reinterpret_cast<const char*>(&counts), sizeof counts);
+  append_values(out, soup.mesh.vertices);
+  append_values(out, soup.mesh.triangles);
+  return out;
+}
+
+Result<TriangleSoup> unpack_soup(std::string_view bytes) {
+  Counts counts;
+  if (bytes.size() < sizeof counts) return damaged();
+  std::memcpy(&counts, bytes.data(), sizeof counts);
+  bytes.remove_prefix(sizeof counts);
+  const std::uint64_t most = bytes.size();  // no count can exceed the bytes, so no product overflows
+  if (counts.vertices > most || counts.triangles > most ||
+      counts.vertices * sizeof(Point) + counts.triangles * sizeof(Triangle) != most)
+    return damaged();
+  TriangleSoup soup;
+  take_values(bytes, counts.vertices, soup.mesh.vertices);
+  take_values(bytes, counts.triangles, soup.mesh.triangles);
+  soup.raw_vertex_count = counts.raw_vertices;
+  soup.raw_polygon_count = counts.raw_polygons;
+  soup.lost_triangle_count = counts.lost_triangles;
+  if (!is_sound(soup.mesh)) return damaged();
+  return soup;
+}
+
 }  // namespace
 
 std::string pack_answer(const Result<TriangleSoup>& answer) {
-  Header header{};
-  header.magic = magic;
-  std::string body;
-  if (!answer) {
-    header.issue_code = static_cast<std::uint64_t>(answer.issue().code);
-    body = answer.issue().what.substr(0, longest_text);
-    header.text_bytes = body.size();
-  } else {
-    header.vertex_count = answer->mesh.vertices.size();
-    header.triangle_count = answer->mesh.triangles.size();
-    header.raw_vertex_count = answer->raw_vertex_count;
-    header.raw_polygon_count = answer->raw_polygon_count;
-    header.lost_triangle_count = answer->lost_triangle_count;
-    append_values(body, answer->mesh.vertices);
-    append_values(body, answer->mesh.triangles);
-  }
-  header.checksum = XXH3_64bits(body.data(), body.size());
-  std::string out(reinterpret_cast<const char*>(&header), sizeof header);
-  return out += body;
+  return seal_answer(answer ? Result<std::string>(pack_soup(*answer)) : answer.issue());
 }
 
 Result<TriangleSoup> unpack_answer(std::string_view bytes) {
-  Header header;
-  if (bytes.size() < sizeof header) return damaged();
-  std::memcpy(&header, bytes.data(), sizeof header);
-  bytes.remove_prefix(sizeof header);
-  if (header.magic != magic || header.checksum != XXH3_64bits(bytes.data(), bytes.size()))
-    return damaged();
-  if (header.issue_code != 0) return unpack_issue(header, bytes);
-  const std::uint64_t most = bytes.size();  // no count can exceed the bytes, so no product overflows
-  if (header.vertex_count > most || header.triangle_count > most ||
-      header.vertex_count * sizeof(Point) + header.triangle_count * sizeof(Triangle) != most)
-    return damaged();
-  TriangleSoup soup;
-  take_values(bytes, header.vertex_count, soup.mesh.vertices);
-  take_values(bytes, header.triangle_count, soup.mesh.triangles);
-  soup.raw_vertex_count = header.raw_vertex_count;
-  soup.raw_polygon_count = header.raw_polygon_count;
-  soup.lost_triangle_count = header.lost_triangle_count;
-  if (!is_sound(soup.mesh)) return damaged();
-  return soup;
+  const Result<std::string_view> answer = open_answer(bytes);
+  if (!answer) return answer.issue();
+  return unpack_soup(*answer);
 }
 
 }  // namespace souple

@@ -2,6 +2,7 @@
 // The only door to CGAL's Mesh_3: plain structs in and out, no exception passes.
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -10,26 +11,37 @@
 
 namespace souple {
 
-/// Lengths in units of the surface that is meshed.
+/// Lengths in units of the surface that is meshed, at a point of it.
 struct MesherSizes {
-  double cell_radius = 0;   ///< largest circumradius of a tet
-  double facet_radius = 0;  ///< largest surface-Delaunay-ball radius of a boundary triangle
-  double facet_distance =
-      0;  ///< largest distance of a boundary triangle's circumcentre from its ball's
+  using Field = std::function<double(const Point&)>;
+  Field cell_radius;     ///< largest circumradius of a tet
+  Field facet_radius;    ///< largest surface-Delaunay-ball radius of a boundary triangle
+  Field facet_distance;  ///< largest distance of a boundary triangle's circumcentre from its ball's
+  Field edge_length;     ///< largest step along a protected sharp edge
+};
+
+struct RefinedMesh {
+  std::size_t tet_count = 0;
+  double mean_edge = 0;  ///< over the six edges of every tet
+};
+
+/// What the mesher starts from besides the surface.
+struct MesherStart {
+  std::vector<Point> seeds;                   ///< on the surface; every shell needs some
+  std::vector<std::vector<Point>> polylines;  ///< sharp edges to keep; closed ones end where they began
 };
 
 /// One surface, meshed as often as the caller wants. Deterministic, bounded by counts, never by time.
 class VolumeMesher {
  public:
-  /// `surface`: closed, oriented, triangles not degenerate, about unit size. `seeds`: points on it from
-  /// which the refinement starts; every shell needs some.
-  VolumeMesher(const TriangleMesh& surface, const std::vector<Point>& seeds);
+  /// `surface`: closed, oriented, triangles not degenerate, about unit size.
+  VolumeMesher(const TriangleMesh& surface, const MesherStart& start);
   ~VolumeMesher();
   VolumeMesher(const VolumeMesher&) = delete;
   VolumeMesher& operator=(const VolumeMesher&) = delete;
 
-  /// Delaunay refinement from the start; returns the number of tets.
-  Result<std::size_t> refine(const MesherSizes& sizes, std::size_t most_vertices);
+  /// Delaunay refinement from the start.
+  Result<RefinedMesh> refine(const MesherSizes& sizes, std::size_t most_vertices);
   /// Perturbs and exudes the slivers of the last refinement and hands the tets over, in no order.
   Result<TetMesh> optimise();
 

@@ -4,34 +4,11 @@
 #include <utility>
 
 #include "formats/core/limits.hpp"
+#include "formats/read/internal/check_rows.hpp"
 #include "formats/read/internal/checks.hpp"
 
 namespace souple::checks {
 namespace {
-
-/// One issue for every row that names something at or past `count`.
-template <class Rows>
-void check_range(const Rows& rows, std::size_t count, const std::string& where, const char* kind,
-                 IssueList& issues) {
-  const auto outside = [&](Index i) { return i < 0 || static_cast<std::size_t>(i) >= count; };
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    const auto bad = std::ranges::find_if(rows[r], outside);
-    if (bad == rows[r].end()) continue;
-    issues.add(IssueCode::asset_index_out_of_range, where, [&] {
-      return std::string(kind) + " " + std::to_string(r) + " names node " + std::to_string(*bad) +
-             " of " + std::to_string(count);
-    });
-  }
-}
-
-void check_coordinates(const std::vector<Point>& nodes, const std::string& where, IssueList& issues) {
-  // The negation also catches NaN.
-  const auto unusable = [](double x) { return !(std::abs(x) <= limits::coordinate_m); };
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    if (std::ranges::any_of(nodes[i], unusable))
-      issues.add(IssueCode::asset_not_finite, where,
-                 [&] { return "node " + std::to_string(i) + " is not finite or beyond 1e7 m"; });
-}
 
 bool within_limits(const MeshLevel& level, const std::string& where, IssueList& issues) {
   if (level.mesh.nodes.empty() || level.mesh.tets.empty())
@@ -71,23 +48,51 @@ std::vector<Edge> unique_edges(const std::vector<Tet>& tets) {
   return edges;
 }
 
+void check_rigid_motion_error(const MeshLevel& level, bool is_coarsest, const std::string& where,
+                              IssueList& issues) {
+  const auto& [parents, embedding] = level.rigid_motion_error;
+  const auto sound = [](double error) { return error == -1 || (std::isfinite(error) && error >= 0); };
+  if (!sound(parents) || !sound(embedding) || (is_coarsest && (parents >= 0 || embedding >= 0)) ||
+      (level.parents.empty() && parents >= 0))
+    issues.add(IssueCode::asset_hierarchy_invalid, where, [&] {
+      return "the errors of rigid motions, " + std::to_string(parents) + " and " +
+             std::to_string(embedding) + ", do not fit the level";
+    });
+}
+
+/// One row of parents per node, or none.
+void check_parent_count(const MeshLevel& level, bool is_coarsest, const std::string& where,
+                        IssueList& issues) {
+  const std::size_t rows = level.parents.size();
+  const std::size_t expected = is_coarsest ? 0 : level.mesh.nodes.size();
+  if (rows == 0 || rows == expected) return;
+  issues.add(IssueCode::asset_hierarchy_invalid, where, [&] {
+    return std::to_string(rows) + " rows of parents, not " + std::to_string(expected);
+  });
+}
+
 }  // namespace
 
-void check_level_indices(const MeshLevel& level, std::size_t coarse_node_count,
-                         const std::string& where, IssueList& issues) {
+void check_level_mesh(const MeshLevel& level, const std::string& where, IssueList& issues) {
   if (!within_limits(level, where, issues)) return;
   const std::size_t node_count = level.mesh.nodes.size();
-  check_coordinates(level.mesh.nodes, where, issues);
-  check_range(level.mesh.tets, node_count, where, "tet", issues);
-  check_range(level.boundary, node_count, where, "boundary triangle", issues);
-  const std::size_t parent_count = coarse_node_count == 0 ? 0 : node_count;
-  if (level.parents.size() != parent_count)
-    issues.add(IssueCode::asset_hierarchy_invalid, where, [&] {
-      return std::to_string(level.parents.size()) + " rows of parents, not " +
-             std::to_string(parent_count);
-    });
-  else
-    check_range(level.parents, coarse_node_count, where, "parents of node", issues);
+  check_coordinates(level.mesh.nodes, where, "node", issues);
+  check_range(level.mesh.tets, node_count, where, "tet", "node", issues);
+  check_range(level.boundary, node_count, where, "boundary triangle", "node", issues);
+}
+
+void check_level_ties(const MeshLevel& level, const MeshCounts& coarse, const std::string& where,
+                      IssueList& issues) {
+  const bool is_coarsest = coarse.nodes == 0;
+  check_rigid_motion_error(level, is_coarsest, where, issues);
+  if (!is_coarsest && level.parents.empty() && level.embedding.empty())
+    issues.add(IssueCode::asset_hierarchy_invalid, where,
+               [] { return "neither parents nor an embedding in the coarser level"; });
+  check_parent_count(level, is_coarsest, where, issues);
+  if (!is_coarsest) check_range(level.parents, coarse.nodes, where, "parents of node", "node", issues);
+  if (!level.embedding.empty())
+    check_embedding(level.embedding, is_coarsest ? 0 : level.mesh.nodes.size(), coarse.tets, where,
+                    issues);
 }
 
 void check_level_shape(const MeshLevel& level, const std::string& where, IssueList& issues) {
@@ -106,8 +111,9 @@ void check_level_shape(const MeshLevel& level, const std::string& where, IssueLi
                [] { return "the stored boundary is not that of the tets"; });
 }
 
-void check_hierarchy(const MeshLevel& coarse, const MeshLevel& fine, const std::string& where,
-                     IssueList& issues) {
+void check_parents(const MeshLevel& coarse, const MeshLevel& fine, const std::string& where,
+                   IssueList& issues) {
+  if (fine.parents.empty()) return;
   const std::vector<Edge> edges = unique_edges(coarse.mesh.tets);
   std::vector<Edge> seen;
   std::size_t kept_count = 0;

@@ -4,21 +4,44 @@
 #pragma once
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "formats/core/asset.hpp"
 #include "formats/read/internal/issue_list.hpp"
 
 namespace souple::checks {
 
-/// Finite coordinates within the limit; indices of tets, boundary and parents in range.
-/// `coarse_node_count` is 0 for level 0.
-void check_level_indices(const MeshLevel& level, std::size_t coarse_node_count,
-                         const std::string& where, IssueList& issues);
+/// How much of a level there is to point at.
+struct MeshCounts {
+  std::size_t nodes = 0;
+  std::size_t tets = 0;
+};
+
+/// Finite coordinates within the limit; indices of tets and boundary in range.
+void check_level_mesh(const MeshLevel& level, const std::string& where, IssueList& issues);
+/// What ties the level to the coarser one can be followed: parents and embedding in range, weights
+/// sound. `coarse` is {0, 0} for level 0.
+void check_level_ties(const MeshLevel& level, const MeshCounts& coarse, const std::string& where,
+                      IssueList& issues);
 /// Orientation, boundary, unused nodes. Needs indices in range.
 void check_level_shape(const MeshLevel& level, const std::string& where, IssueList& issues);
 /// Parents against the edges of the coarser level. Needs indices in range.
-void check_hierarchy(const MeshLevel& coarse, const MeshLevel& fine, const std::string& where,
-                     IssueList& issues);
+void check_parents(const MeshLevel& coarse, const MeshLevel& fine, const std::string& where,
+                   IssueList& issues);
+/// The embedding against the rest positions. Needs sound ties.
+void check_level_places(const MeshLevel& coarse, const MeshLevel& fine, const std::string& where,
+                        IssueList& issues);
+
+/// One row per point, tets in range, weights finite and of sum 1.
+void check_embedding(const std::vector<Embedding>& rows, std::size_t point_count, std::size_t tet_count,
+                     const std::string& where, IssueList& issues);
+
+/// Coordinates, triangles and embedding can be used; `tet_count` of the finest level.
+void check_visual(const VisualMesh& visual, std::size_t tet_count, const std::string& where,
+                  IssueList& issues);
+/// The embedding against the rest positions. Needs a visual surface that can be used.
+void check_visual_places(const VisualMesh& visual, const TetMesh& finest, const std::string& where,
+                         IssueList& issues);
 
 /// Numbers in range, regions of tets known; `tet_count` of the finest level.
 void check_material(const Material& material, std::size_t tet_count, const std::string& where,

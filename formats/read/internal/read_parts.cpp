@@ -78,34 +78,90 @@ Result<std::vector<std::byte>> read_payload(const GroupReader& variant,
   return dataset->read_all<std::byte>(block_count);
 }
 
+Result<std::vector<Embedding>> read_embedding(const GroupReader& group) {
+  Status status;
+  std::vector<Index> tets;
+  std::vector<std::array<double, 4>> weights;
+  const bool read =
+      take(read_rows<Index>(group, layout::embedding_tets, limits::nodes), tets, status) &&
+      take(read_rows<std::array<double, 4>>(group, layout::embedding_weights, limits::nodes), weights,
+           status);
+  if (!read) return status.issue();
+  if (tets.size() != weights.size())
+    return make_issue(IssueCode::asset_corrupt, "the columns of the embedding differ in length",
+                      group.where());
+  std::vector<Embedding> rows(tets.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) rows[r] = {tets[r], weights[r]};
+  return rows;
+}
+
 }  // namespace
 
-Result<FinestCounts> read_level_counts(const GroupReader& level) {
+Result<MeshCounts> read_level_counts(const GroupReader& level) {
   const Result<DatasetReader> nodes = level.dataset(layout::nodes);
   if (!nodes) return nodes.issue();
   const Result<DatasetReader> tets = level.dataset(layout::tets);
   if (!tets) return tets.issue();
-  return FinestCounts{nodes->rows(), tets->rows()};
+  return MeshCounts{nodes->rows(), tets->rows()};
 }
 
-Result<MeshLevel> read_level(const GroupReader& group, std::size_t coarse_node_count) {
+Result<MeshLevel> read_level_mesh(const GroupReader& group) {
   MeshLevel level;
   Status status;
   const bool read =
       take(read_rows<Point>(group, layout::nodes, limits::nodes), level.mesh.nodes, status) &&
       take(read_rows<Tet>(group, layout::tets, limits::tets), level.mesh.tets, status) &&
-      take(read_rows<Triangle>(group, layout::boundary, 4 * limits::tets), level.boundary, status);
+      take(read_rows<Triangle>(group, layout::boundary, limits::triangles), level.boundary, status);
   if (!read) return status.issue();
-  if (coarse_node_count > 0 &&
-      !take(read_rows<std::array<Index, 2>>(group, layout::parents, limits::nodes), level.parents,
-            status))
-    return status.issue();
   IssueList issues = first_issue_only();
-  checks::check_level_indices(level, coarse_node_count, group.where(), issues);
+  checks::check_level_mesh(level, group.where(), issues);
   return checked(std::move(level), issues);
 }
 
-Result<Material> read_material(const GroupReader& group, const FinestCounts& finest) {
+Result<LevelTies> read_level_ties(const GroupReader& group) {
+  LevelTies ties;
+  Status status;
+  const bool read =
+      take(group.has(layout::parents), ties.parents, status) &&
+      take(group.has(layout::embedding_tets), ties.embedding, status) &&
+      take(group.real_or(layout::parents_error, -1), ties.rigid_motion_error.parents, status) &&
+      take(group.real_or(layout::embedding_error, -1), ties.rigid_motion_error.embedding, status);
+  if (!read) return status.issue();
+  return ties;
+}
+
+Result<MeshLevel> read_level(const GroupReader& group, const MeshCounts& coarse) {
+  Result<MeshLevel> read = read_level_mesh(group);
+  if (!read || coarse.nodes == 0) return read;
+  MeshLevel& level = *read;
+  Status status;
+  LevelTies ties;
+  if (!take(read_level_ties(group), ties, status)) return status.issue();
+  level.rigid_motion_error = ties.rigid_motion_error;
+  if (ties.parents && !take(read_rows<std::array<Index, 2>>(group, layout::parents, limits::nodes),
+                            level.parents, status))
+    return status.issue();
+  if (ties.embedding && !take(read_embedding(group), level.embedding, status)) return status.issue();
+  IssueList issues = first_issue_only();
+  checks::check_level_ties(level, coarse, group.where(), issues);
+  return checked(std::move(level), issues);
+}
+
+Result<VisualMesh> read_visual(const GroupReader& group, const MeshCounts& finest) {
+  VisualMesh visual;
+  Status status;
+  const bool read =
+      take(read_rows<Point>(group, layout::vertices, limits::nodes), visual.surface.vertices, status) &&
+      take(read_rows<Triangle>(group, layout::triangles, limits::triangles), visual.surface.triangles,
+           status) &&
+      take(read_embedding(group), visual.embedding, status);
+  if (!read) return status.issue();
+  IssueList issues = first_issue_only();
+  checks::check_visual(visual, finest.tets, group.where(), issues);
+  return checked(std::move(visual), issues);
+}
+
+Result<Material> read_material(const GroupReader& group, const MeshCounts& finest) {
   Material material;
   Status status;
   std::vector<std::string> names;
@@ -131,8 +187,7 @@ Result<Material> read_material(const GroupReader& group, const FinestCounts& fin
   return checked(std::move(material), issues);
 }
 
-Result<FixedSet> read_fixed_set(const GroupReader& group, std::string name,
-                                const FinestCounts& finest) {
+Result<FixedSet> read_fixed_set(const GroupReader& group, std::string name, const MeshCounts& finest) {
   FixedSet set{std::move(name), {}};
   Status status;
   if (!take(read_rows<Index>(group, layout::nodes, finest.nodes), set.nodes, status))
@@ -175,7 +230,7 @@ Result<ComplianceHeader> read_compliance_header(const GroupReader& group, std::s
 }
 
 Result<ComplianceVariant> read_compliance(const GroupReader& group, std::string name,
-                                          const FinestCounts& finest) {
+                                          const MeshCounts& finest) {
   ComplianceVariant variant;
   Status status;
   const bool read = take(read_compliance_header(group, std::move(name)), variant.header, status) &&

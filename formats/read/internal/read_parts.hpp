@@ -5,23 +5,30 @@
 
 #include "formats/core/asset.hpp"
 #include "formats/core/result.hpp"
+#include "formats/read/internal/checks.hpp"
 #include "formats/storage/group_reader.hpp"
 
 namespace souple::storage {
 
-/// Sizes of the finest level, from headers.
-struct FinestCounts {
-  std::size_t nodes = 0;
-  std::size_t tets = 0;
-};
+using checks::MeshCounts;
 
-Result<FinestCounts> read_level_counts(const GroupReader& level);
-/// `coarse_node_count` is 0 for level 0.
-Result<MeshLevel> read_level(const GroupReader& level, std::size_t coarse_node_count);
-Result<Material> read_material(const GroupReader& material, const FinestCounts& finest);
-Result<FixedSet> read_fixed_set(const GroupReader& set, std::string name, const FinestCounts& finest);
+Result<MeshCounts> read_level_counts(const GroupReader& level);  ///< from headers
+/// What ties a level to the coarser one, from headers.
+struct LevelTies {
+  bool parents = false;
+  bool embedding = false;
+  RigidMotionError rigid_motion_error;
+};
+Result<LevelTies> read_level_ties(const GroupReader& level);
+/// Nodes, tets and boundary alone.
+Result<MeshLevel> read_level_mesh(const GroupReader& level);
+/// All of it; `coarse` is {0, 0} for level 0.
+Result<MeshLevel> read_level(const GroupReader& level, const MeshCounts& coarse);
+Result<VisualMesh> read_visual(const GroupReader& visual, const MeshCounts& finest);
+Result<Material> read_material(const GroupReader& material, const MeshCounts& finest);
+Result<FixedSet> read_fixed_set(const GroupReader& set, std::string name, const MeshCounts& finest);
 Result<ComplianceHeader> read_compliance_header(const GroupReader& variant, std::string name);
 Result<ComplianceVariant> read_compliance(const GroupReader& variant, std::string name,
-                                          const FinestCounts& finest);
+                                          const MeshCounts& finest);
 
 }  // namespace souple::storage

@@ -5,6 +5,7 @@
 #include <expat.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -165,6 +166,23 @@ TEST(VtuWriter, AppendsMeshesAndPadsFieldsThatOnlyOneHas) {
   EXPECT_EQ(all.fields[0].values[158], 0);
   EXPECT_EQ(all.fields[2].values[49], 0);
   EXPECT_EQ(all.fields[2].values[52], 3);
+}
+
+TEST(VtuWriter, RegionsStandForEveryCellAndAreKeptWhenMeshesAreAppended) {
+  VtuMesh all = sample_mesh(), part;
+  part.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  part.triangles = {{0, 1, 2}};
+  part.tets = {{0, 1, 2, 3}};
+  part.tet_regions = {4};
+  append_mesh(all, part);
+  const auto text = vtu_text(all);
+  ASSERT_TRUE(text.ok()) << format_issue(text.issue());
+  const auto regions = array_values<std::int32_t>(parse_xml(*text), "CellData/DataArray:region");
+  ASSERT_EQ(regions.size(), 21u + 31u);
+  EXPECT_EQ(std::ranges::count(regions, -1), 51);
+  EXPECT_EQ(regions.back(), 4);
+  all.tet_regions.pop_back();
+  EXPECT_EQ(vtu_text(all).issue().code, IssueCode::vtu_mesh_invalid);
 }
 
 TEST(VtuWriter, CollectionIsWellFormedAndKeepsTimesExactly) {

@@ -17,12 +17,29 @@ size_m = 0.2
 tets = 4000
 levels = 3
 hierarchy = "nested"
+interior_coarsening = 2
+features = "keep"
+[[mesh.refine]]
+edge_length_m = 0.004
+sphere = { centre = [0, 0, 0.1], radius_m = 0.02 }
+[[mesh.refine]]
+edge_length_m = 0.005
+surface = "patch.stl"
+distance_m = 0.01
 [material]
 young_pa = 5e3
 poisson = 0.45
 density = 1060
 rayleigh_mass_per_s = 0.2
 rayleigh_stiffness_s = 0.02
+[[material.region]]
+name = "tumour"
+young_pa = 5e4
+surface = "tumour.off"
+[[material.region]]
+name = "cap"
+density = 1200
+box = { min = [0, 0, 0], max = [1, 1, 1] }
 [[fixed]]
 name = "left"
 box = { min = [-1, -1, -1], max = [0, 1, 1] }
@@ -62,6 +79,16 @@ TEST(Recipe, ReadsEveryKey) {
   EXPECT_EQ(recipe->mesh.levels, 3);
   EXPECT_EQ(recipe->material.density_kg_m3, 1060);
   EXPECT_EQ(recipe->material.rayleigh_stiffness_s, 0.02);
+  EXPECT_EQ(recipe->mesh.interior_coarsening, 2);
+  EXPECT_EQ(recipe->mesh.features, "keep");
+  ASSERT_EQ(recipe->refine.size(), 2u);
+  EXPECT_EQ(std::get<SphereSelection>(recipe->refine[0].where).radius_m, 0.02);
+  EXPECT_EQ(std::get<FileSelection>(recipe->refine[1].where).file, "patch.stl");
+  EXPECT_EQ(recipe->refine[1].distance_m, 0.01);
+  ASSERT_EQ(recipe->regions.size(), 2u);
+  EXPECT_EQ(recipe->regions[0].young_pa, 5e4);
+  EXPECT_EQ(recipe->regions[0].poisson, 0.45);  // [material] is the default of its regions
+  EXPECT_EQ(recipe->regions[1].density_kg_m3, 1200);
   ASSERT_EQ(recipe->fixed.size(), 4u);
   EXPECT_EQ(std::get<SphereSelection>(recipe->fixed[1].selection).radius_m, 0.05);
   EXPECT_EQ(std::get<NearestSelection>(recipe->fixed[3].selection).count, 3);
@@ -75,8 +102,8 @@ TEST(Recipe, ReadsEveryKey) {
 TEST(Recipe, EmptyTextIsTheDefaultsOfASoftOrgan) {
   const auto recipe = parse_recipe("", "r.toml");
   ASSERT_TRUE(recipe.ok());
-  EXPECT_EQ(recipe->mesh.tets, 10000);
-  EXPECT_EQ(chosen_levels(recipe->mesh), 2);
+  EXPECT_EQ(chosen_tets(*recipe), 10000);
+  EXPECT_EQ(chosen_levels(*recipe), 2);
   EXPECT_EQ(recipe->material.young_pa, 1e4);
   EXPECT_EQ(recipe->material.poisson, 0.4);
   ASSERT_EQ(recipe->compliances.size(), 1u);
@@ -110,7 +137,7 @@ TEST(Recipe, RefusesWhatItDoesNotKnowOrCannotUse) {
   EXPECT_EQ(code_of("[mesh]\ntet = 5"), IssueCode::config_unknown_key);
   EXPECT_EQ(code_of("[mseh]\ntets = 5"), IssueCode::config_unknown_key);
   EXPECT_EQ(code_of("[mesh]\ntets = 5.5"), IssueCode::config_bad_value);
-  EXPECT_EQ(code_of("[mesh]\ntets = 1"), IssueCode::config_bad_value);
+  EXPECT_EQ(code_of("[mesh]\ntets = -1"), IssueCode::config_bad_value);
   EXPECT_EQ(code_of("[mesh]\ntets = 99999999999"), IssueCode::config_bad_value);
   EXPECT_EQ(code_of("[mesh]\ntets = 1000\nedge_length_m = 0.1"), IssueCode::usage_conflict);
   EXPECT_EQ(code_of("[mesh]\nhierarchy = \"flat\""), IssueCode::config_bad_value);
@@ -120,10 +147,57 @@ TEST(Recipe, RefusesWhatItDoesNotKnowOrCannotUse) {
   EXPECT_EQ(code_of("[material]\nyoung_pa = nan"), IssueCode::config_bad_value);
   EXPECT_EQ(code_of("[material]\npoisson = 0.5"), IssueCode::config_bad_value);
   EXPECT_EQ(code_of("[material]\ndensity = -5"), IssueCode::config_bad_value);
-  EXPECT_EQ(code_of("[[material.region]]\nname = \"a\""), IssueCode::unsupported_feature);
+  EXPECT_EQ(code_of("[mesh]\ninterior_coarsening = 0.5"), IssueCode::config_bad_value);
+  EXPECT_EQ(code_of("[mesh]\nmesher = \"magic\""), IssueCode::config_bad_value);
   EXPECT_EQ(code_of("[[compliance]]\ntime_step_s = 0"), IssueCode::config_bad_value);
   EXPECT_EQ(code_of("[[compliance]]\nkind = \"static\"\ntime_step_s = 0.1"), IssueCode::usage_conflict);
   EXPECT_EQ(code_of("[[compliance]]\nname = \"../x\""), IssueCode::config_bad_value);
+}
+
+TEST(Recipe, RefusesPartsOfTheBodyWithoutExactlyOneSelection) {
+  EXPECT_EQ(code_of("[[material.region]]\nname = \"a\""), IssueCode::config_bad_value);
+  EXPECT_EQ(code_of("[[material.region]]\nname = \"a\"\nsurface = \"b.off\"\ngroup = \"c\""),
+            IssueCode::config_bad_value);
+  EXPECT_EQ(code_of("[[material.region]]\nsurface = \"b.off\""), IssueCode::config_missing_key);
+  EXPECT_EQ(code_of("[[material.region]]\nname = \"a\"\nsurface = \"b.off\"\nyoung_pa = -1"),
+            IssueCode::config_bad_value);
+  EXPECT_EQ(code_of("[[mesh.refine]]\nsurface = \"b.off\"\ndistance_m = 0.1"),
+            IssueCode::config_missing_key);
+  EXPECT_EQ(code_of("[[mesh.refine]]\nedge_length_m = 0.1\nsurface = \"b.off\""),
+            IssueCode::config_missing_key);
+  EXPECT_EQ(code_of("[[mesh.refine]]\nedge_length_m = 0.1"), IssueCode::config_bad_value);
+  EXPECT_EQ(code_of("[[mesh.refine]]\nedge_length_m = 0.1\nsphere = {centre=[0,0,0], radius_m=0}"),
+            IssueCode::config_bad_value);
+}
+
+TEST(Recipe, TakesAGivenTetMeshAsItIsUnlessAskedToMeshItAnew) {
+  const auto read = [](const std::string& mesh) {
+    auto recipe = parse_recipe("[surface]\nfile = \"a.MSH\"\n[mesh]\n" + mesh, "r.toml");
+    EXPECT_TRUE(recipe.ok());
+    return recipe ? *recipe : Recipe{};
+  };
+  EXPECT_TRUE(keeps_given_tets(read("")));
+  EXPECT_EQ(chosen_tets(read("")), 0);
+  EXPECT_EQ(chosen_levels(read("")), 1);
+  EXPECT_TRUE(check_recipe(read("")).ok());
+  EXPECT_TRUE(check_recipe(read("levels = 3")).ok());
+  EXPECT_FALSE(keeps_given_tets(read("tets = 4000")));
+  EXPECT_EQ(chosen_tets(read("tets = 4000")), 4000);
+  EXPECT_FALSE(keeps_given_tets(read("edge_length_m = 0.01")));
+  for (const char* idle : {"mesher = \"lattice\"", "interior_coarsening = 2", "features = \"keep\"",
+                           "hierarchy = \"embedded\"",
+                           "[[mesh.refine]]\nedge_length_m = 0.1\nsphere = {centre=[0,0,0], "
+                           "radius_m=1}"}) {
+    const Status status = check_recipe(read(idle));
+    ASSERT_FALSE(status.ok()) << idle;
+    EXPECT_EQ(status.issue().code, IssueCode::usage_conflict) << idle;
+  }
+}
+
+TEST(Recipe, KnowsGroupsOnlyOfAGivenTetMesh) {
+  const std::string region = "[[material.region]]\nname = \"a\"\ngroup = \"bone\"";
+  EXPECT_EQ(code_of("[surface]\nfile = \"a.vtu\"\n" + region), IssueCode{});
+  EXPECT_EQ(code_of("[surface]\nfile = \"a.obj\"\n" + region), IssueCode::usage_conflict);
 }
 
 TEST(Recipe, RefusesFixedSetsWithoutExactlyOneSelection) {
@@ -144,7 +218,12 @@ TEST(Recipe, RefusesFixedSetsWithoutExactlyOneSelection) {
 TEST(Recipe, RefusesWhatItsPartsDoNotAgreeOn) {
   const std::string surface = "[surface]\nfile = \"a.obj\"\n";
   EXPECT_EQ(code_of(surface), IssueCode{});
-  EXPECT_EQ(code_of(surface + "[mesh]\nhierarchy = \"embedded\""), IssueCode::unsupported_feature);
+  EXPECT_EQ(code_of(surface + "[mesh]\nhierarchy = \"embedded\""), IssueCode{});
+  EXPECT_EQ(code_of(surface + "[mesh]\ntets = 1"), IssueCode::recipe_too_few_tets);
+  EXPECT_EQ(code_of(surface + "[mesh]\ntets = 1000\nmax_error_m = 0.01"), IssueCode::usage_conflict);
+  EXPECT_EQ(code_of(surface + "[[material.region]]\nname = \"a\"\nsurface = \"b\"\n"
+                              "[[material.region]]\nname = \"a\"\nsurface = \"c\""),
+            IssueCode::config_bad_value);
   EXPECT_EQ(code_of(surface + "[mesh]\ntets = 500\nlevels = 3"), IssueCode::recipe_too_few_tets);
   EXPECT_EQ(code_of(surface + "[[compliance]]\nfixed = \"foot\""), IssueCode::config_bad_value);
   EXPECT_EQ(code_of(surface + "[[compliance]]\nkind = \"static\""), IssueCode::compliance_singular);

@@ -8,6 +8,8 @@
 #include "tests/tools/real_surface.hpp"
 #include "tools/geometry/surface_measure.hpp"
 #include "tools/geometry/vector.hpp"
+#include "tools/surface/repair.hpp"
+#include "tools/surface/self_intersections.hpp"
 
 namespace souple {
 namespace {
@@ -25,7 +27,9 @@ TEST(Decimate, KeepsRealShapesClosedAndTheirVolume) {
         << name;
     const DecimateReport& report = decimated->report;
     EXPECT_EQ(report.face_count_before, surface.triangles.size());
-    EXPECT_NEAR(report.volume_after_m3 / report.volume_before_m3, 1, 1e-9) << name;
+    // The collapse itself keeps the volume; the input is rounded to 2^-26 of its size before, which on
+    // the thin knot is 5e-9 of the volume.
+    EXPECT_NEAR(report.volume_after_m3 / report.volume_before_m3, 1, 2e-8) << name;
     EXPECT_LT(report.hausdorff_m, 0.015 * 0.2) << name;
   }
 }
@@ -52,6 +56,42 @@ TEST(Decimate, GivesTheSameBytesTwiceAndTheSameShapeInAnyUnit) {
   EXPECT_EQ(a->mesh.vertices, b->mesh.vertices);
   EXPECT_EQ(a->mesh.triangles, b->mesh.triangles);
   EXPECT_EQ(a->mesh.triangles, c->mesh.triangles);
+}
+
+TEST(Decimate, LeavesNoSelfIntersectionsOnRealData) {
+  SOUPLE_NEEDS_REAL_SURFACES();
+  for (const char* name : {"camel.off", "spider.obj", "elephant-with-holes.off", "monkey.glb"}) {
+    const auto imported = import_surface(real_surface_dir() / name, {});
+    ASSERT_TRUE(imported.ok()) << name;
+    const auto repaired = repair_surface(imported->mesh, {});
+    ASSERT_TRUE(repaired.ok()) << name;
+    for (const std::size_t faces : {1500, 600}) {
+      const auto decimated = decimate_surface(repaired->mesh, {faces, 0});
+      ASSERT_TRUE(decimated.ok()) << name << ": " << format_issue(decimated.issue());
+      EXPECT_TRUE(find_self_intersections(decimated->mesh).pairs.empty()) << name << " " << faces;
+      EXPECT_EQ(decimated->report.self_intersection_count, 0u) << name;
+      EXPECT_NEAR(decimated->report.volume_after_m3 / decimated->report.volume_before_m3, 1, 0.02)
+          << name;
+      EXPECT_TRUE(decimated->mesh.triangles.size() <= faces || !decimated->report.notes.empty())
+          << name;
+    }
+  }
+}
+
+TEST(Decimate, StaysWithinAnErrorBoundBothWays) {
+  SOUPLE_NEEDS_REAL_SURFACES();
+  const TriangleMesh surface = closed_real_surface("bunny_10k.obj");
+  std::size_t last = surface.triangles.size();
+  for (const double bound : {0.0005, 0.002}) {
+    const auto decimated = decimate_surface(surface, {0, bound});
+    ASSERT_TRUE(decimated.ok()) << format_issue(decimated.issue());
+    EXPECT_LE(decimated->report.hausdorff_m, bound * 1.001);
+    EXPECT_LT(decimated->mesh.triangles.size(), last);
+    last = decimated->mesh.triangles.size();
+  }
+  EXPECT_LT(last, 4000u);
+  EXPECT_EQ(decimate_surface(surface, {0, 0}).issue().code, IssueCode::usage_bad_value);
+  EXPECT_EQ(decimate_surface(surface, {100, -1}).issue().code, IssueCode::usage_bad_value);
 }
 
 TEST(Decimate, RefusesOpenSurfacesAndImpossibleTargets) {

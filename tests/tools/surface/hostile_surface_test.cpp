@@ -11,6 +11,7 @@
 
 #include "tests/tools/real_surface.hpp"
 #include "tools/geometry/surface_measure.hpp"
+#include "tools/surface/repair.hpp"
 
 namespace souple {
 namespace {
@@ -200,6 +201,95 @@ TEST_F(HostileSurface, KeepsAwayFromFilesOutsideTheFolder) {
   std::ofstream(dir_ / "sub/a.gltf") << with("../data.bin");
   EXPECT_FALSE(import(dir_ / "sub/a.gltf").ok());
   EXPECT_FALSE(import(file("a.gltf", with("/dev/zero"))).ok());
+}
+
+TEST_F(HostileSurface, RefusesCountsOfABinaryGltfBeyondItsContent) {
+  const auto glb = [](const std::string& json, std::uint32_t total, std::uint32_t json_bytes) {
+    std::string bytes = "glTF";
+    for (const std::uint32_t word : {2U, total, json_bytes, 0x4E4F534AU})
+      bytes.append(reinterpret_cast<const char*>(&word), 4);
+    return bytes + json;
+  };
+  const auto mesh = [](const std::string& count, const std::string& length) {
+    return R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":)" + length +
+           R"(}],"bufferViews":[{"buffer":0,"byteLength":)" + length +
+           R"(}],"accessors":[{"bufferView":0,"componentType":5126,"count":)" + count +
+           R"(,"type":"VEC3"}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+           R"("nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0})";
+  };
+  const auto size = [](const std::string& text) { return static_cast<std::uint32_t>(text.size()); };
+  const std::string bomb = mesh("1000000000", "4000000000");
+  for (const std::string& bytes :
+       {glb(bomb, size(bomb) + 20, size(bomb)), glb(bomb, 0xFFFFFFFFU, 0xFFFFFFF0U),
+        glb(mesh("3", "36"), 20, 0xFFFFFFFFU), glb("", 20, 0)}) {
+    const IssueCode refused = code("a.glb", bytes);
+    EXPECT_EQ(refused, IssueCode::surface_malformed) << issue_code_text(refused);
+  }
+}
+
+TEST_F(HostileSurface, ReadsNamesInAnyLanguageAndRefusesAFlatShapeAtTheRepair) {
+  SOUPLE_NEEDS_REAL_SURFACES();
+  const auto flat = import(real_surface_dir() / "测试模型.off");
+  ASSERT_TRUE(flat.ok()) << format_issue(flat.issue());
+  EXPECT_EQ(repair_surface(flat->mesh, {}).issue().code, IssueCode::surface_hopeless);
+  const std::string text = triangle_obj + "f 1 2 3\n";
+  for (const char* name : {"печень.obj", "كبد.obj", "肝臓 (2).obj", "a\nb.obj", "\xff\xfe.obj",
+                           "-o.obj", "%s%n.obj", "..obj"})
+    EXPECT_EQ(code(name, text), IssueCode{}) << name;
+  EXPECT_EQ(code("печень.doc", "PK\x03\x04"), IssueCode::unsupported_surface_format);
+}
+
+TEST_F(HostileSurface, TurnsMirroredAndNestedShapesRightSideOut) {
+  SOUPLE_NEEDS_REAL_SURFACES();
+  struct Case {
+    const char* name;
+    std::size_t shells;
+    double volume;  ///< cubed units of the file
+  };
+  // As other programs measured them; the first has three cubes, two of them mirrored, and a hollow one.
+  for (const Case& c : {Case{"cubes_with_mirroring_and_pivot.fbx", 5, 3e-3 + 0.000939632 - 0.000463412},
+                        Case{"nested.glb", 3, 0.898779}}) {
+    const auto surface = import(real_surface_dir() / c.name);
+    ASSERT_TRUE(surface.ok()) << format_issue(surface.issue());
+    const auto solid = repair_surface(surface->mesh, {});
+    ASSERT_TRUE(solid.ok()) << format_issue(solid.issue());
+    EXPECT_TRUE(check_closed_oriented_manifold(solid->mesh).ok()) << c.name;
+    EXPECT_EQ(solid->report.orient.shell_count, c.shells) << c.name;
+    EXPECT_NEAR(signed_volume(solid->mesh), c.volume, 1e-6 * c.volume) << c.name;
+  }
+}
+
+TEST_F(HostileSurface, RefusesTheHostileRealFilesByTheirCodes) {
+  SOUPLE_NEEDS_REAL_SURFACES();
+  struct Case {
+    const char* name;
+    const char* code;
+  };
+  for (const Case& c :
+       {Case{"BoxWithInfinites.glb", "S3005"}, Case{"IndexOutOfRange.gltf", "S3004"},
+        Case{"IndexOutOfRange.bin", "S5010"}, Case{"box_UTF16BE.obj", "S3003"},
+        Case{"empty.ply", "S3000"}, Case{"invalid.off", "S3004"}, Case{"malformed.obj", "S3004"}}) {
+    const auto surface = import(real_surface_dir() / c.name);
+    ASSERT_FALSE(surface.ok()) << c.name;
+    EXPECT_EQ(issue_code_text(surface.issue().code), c.code) << format_issue(surface.issue());
+    EXPECT_NE(surface.issue().where.find(c.name), std::string::npos);
+  }
+}
+
+TEST_F(HostileSurface, ReadsRealFilesUnderTheWrongExtension) {
+  SOUPLE_NEEDS_REAL_SURFACES();
+  struct Case {
+    const char *name, *as, *format;
+  };
+  for (const Case& c :
+       {Case{"cube_binary.ply", "a.obj", "ply"}, Case{"tetrahedron.off", "a.stl", "off"},
+        Case{"round.stl", "a.ply", "stl"}, Case{"nested.glb", "a.3ds", "gltf"},
+        Case{"huesitos.fbx", "a.dae", "fbx"}, Case{"test1.3ds", "a.glb", "3ds"}}) {
+    fs::copy_file(real_surface_dir() / c.name, dir_ / c.as, fs::copy_options::overwrite_existing);
+    const auto surface = import(dir_ / c.as);
+    ASSERT_TRUE(surface.ok()) << c.name << ": " << format_issue(surface.issue());
+    EXPECT_EQ(surface->report.format, c.format) << c.name;
+  }
 }
 
 TEST_F(HostileSurface, EndsEveryTruncationAndManyBitFlipsWithoutACrashOfItsOwn) {

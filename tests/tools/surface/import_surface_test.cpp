@@ -22,7 +22,6 @@ const std::map<std::string, IssueCode> refused{
     {"IndexOutOfRange.gltf", IssueCode::surface_bad_index},
     {"box_UTF16BE.obj", IssueCode::surface_text_encoding},
     {"empty.ply", IssueCode::surface_empty_file},
-    {"fuze_ascii.ply", IssueCode::surface_malformed},  // more values a face than its header declares
     {"invalid.off", IssueCode::surface_bad_index},
     {"malformed.obj", IssueCode::surface_bad_index}};
 

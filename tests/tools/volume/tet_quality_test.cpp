@@ -15,6 +15,7 @@ TEST(TetQuality, OfTheRegularTetIsTheBest) {
   EXPECT_NEAR(quality.min_dihedral_deg, std::acos(1.0 / 3) * 180 / M_PI, 1e-12);
   EXPECT_NEAR(quality.median_dihedral_deg, quality.min_dihedral_deg, 1e-12);
   EXPECT_NEAR(quality.worst_radius_ratio, 1, 1e-12);
+  EXPECT_NEAR(quality.worst_aspect, 1, 1e-12);
   EXPECT_NEAR(quality.volume_m3, 8.0 / 3, 1e-12);
 }
 
@@ -24,6 +25,8 @@ TEST(TetQuality, OfTheCornerOfACube) {
   EXPECT_NEAR(quality.min_dihedral_deg, std::acos(1 / std::sqrt(3)) * 180 / M_PI, 1e-12);
   // r_in = 1 / (3 + sqrt 3), r_circ = sqrt(3) / 2
   EXPECT_NEAR(quality.worst_radius_ratio, 3 / (3 + std::sqrt(3)) * 2 / std::sqrt(3), 1e-12);
+  // Longest edge sqrt 2 over the height 1 / sqrt 3 above the slanted face, over sqrt(3/2).
+  EXPECT_NEAR(quality.worst_aspect, 2, 1e-12);
 }
 
 TEST(TetQuality, OfFlatAndInvertedTetsIsZero) {
@@ -31,6 +34,7 @@ TEST(TetQuality, OfFlatAndInvertedTetsIsZero) {
       measure_tet_quality({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 2, 3}}});
   EXPECT_EQ(flat.min_dihedral_deg, 0);
   EXPECT_EQ(flat.worst_radius_ratio, 0);
+  EXPECT_GT(flat.worst_aspect, 1e100);
   const TetQuality inverted =
       measure_tet_quality({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1, 3}}});
   EXPECT_EQ(inverted.min_dihedral_deg, 0);

@@ -36,7 +36,7 @@ TEST(Tetrahedralize, FillsASharpMachinePart) {
 TEST(Tetrahedralize, KeepsEverySeparateShell) {
   SOUPLE_NEEDS_REAL_SURFACES();
   const TriangleMesh balls = closed_real_surface("collision_boules_V3.obj");
-  const auto volume = tetrahedralize(balls, {4'000, 0});
+  const auto volume = tetrahedralize(balls, of_count(4'000));
   ASSERT_TRUE(volume.ok()) << format_issue(volume.issue());
   const auto boundary = boundary_triangles(volume->mesh.tets);
   EXPECT_EQ(measure_topology(boundary, volume->mesh.nodes.size()).shell_count, 8u);
@@ -45,8 +45,8 @@ TEST(Tetrahedralize, KeepsEverySeparateShell) {
 TEST(Tetrahedralize, GivesTheSameBytesTwice) {
   SOUPLE_NEEDS_REAL_SURFACES();
   const TriangleMesh surface = closed_real_surface("liver-smooth.obj");
-  const auto a = tetrahedralize(surface, {3'000, 0});
-  const auto b = tetrahedralize(surface, {3'000, 0});
+  const auto a = tetrahedralize(surface, of_count(3'000));
+  const auto b = tetrahedralize(surface, of_count(3'000));
   ASSERT_TRUE(a.ok() && b.ok());
   EXPECT_EQ(a->mesh.nodes, b->mesh.nodes);
   EXPECT_EQ(a->mesh.tets, b->mesh.tets);
@@ -56,12 +56,12 @@ TEST(Tetrahedralize, GivesTheSameTetsInAnyUnitAndPlace) {
   SOUPLE_NEEDS_REAL_SURFACES();
   for (const char* name : {"liver-smooth.obj", "dino.off"}) {
     const TriangleMesh metres = closed_real_surface(name);
-    const auto here = tetrahedralize(metres, {2'000, 0});
+    const auto here = tetrahedralize(metres, of_count(2'000));
     ASSERT_TRUE(here.ok());
     for (const double factor : {1e3, 1e-3, 39.37}) {
       TriangleMesh other = metres;
       for (Point& p : other.vertices) p = scaled(add(p, {0.31, -0.17, 0.05}), factor);
-      const auto there = tetrahedralize(other, {2'000, 0});
+      const auto there = tetrahedralize(other, of_count(2'000));
       ASSERT_TRUE(there.ok());
       EXPECT_EQ(here->mesh.tets, there->mesh.tets) << name << " " << factor;
       for (std::size_t i = 0; i < here->mesh.nodes.size(); i += 50) {
@@ -76,7 +76,7 @@ TEST(Tetrahedralize, MeetsAnEdgeLength) {
   SOUPLE_NEEDS_REAL_SURFACES();
   const TriangleMesh surface = closed_real_surface("liver-smooth.obj");
   for (const double asked : {0.02, 0.01}) {
-    const auto volume = tetrahedralize(surface, {0, asked});
+    const auto volume = tetrahedralize(surface, of_edge(asked));
     ASSERT_TRUE(volume.ok());
     double sum = 0;
     for (const Tet& tet : volume->mesh.tets)
@@ -95,17 +95,17 @@ TEST(Tetrahedralize, RefusesOptionsOutOfRangeAndOpenSurfaces) {
     const auto volume = tetrahedralize(mesh, options);
     return volume.ok() ? IssueCode{} : volume.issue().code;
   };
-  EXPECT_EQ(code(surface, {0, 0}), IssueCode::usage_bad_value);
-  EXPECT_EQ(code(surface, {std::size_t{1} << 60, 0}), IssueCode::usage_bad_value);
+  EXPECT_EQ(code(surface, of_count(0)), IssueCode::usage_bad_value);
+  EXPECT_EQ(code(surface, of_count(std::size_t{1} << 60)), IssueCode::usage_bad_value);
   for (const double edge : {-1.0, std::nan(""), HUGE_VAL, 1.0, 1e-9})
-    EXPECT_EQ(code(surface, {1000, edge}), IssueCode::usage_bad_value) << edge;
+    EXPECT_EQ(code(surface, of_edge(edge)), IssueCode::usage_bad_value) << edge;
   TriangleMesh open = surface;
   open.triangles.pop_back();
-  EXPECT_EQ(code(open, {1000, 0}), IssueCode::surface_not_closed);
+  EXPECT_EQ(code(open, of_count(1000)), IssueCode::surface_not_closed);
   TriangleMesh inside_out = surface;
   for (Triangle& t : inside_out.triangles) std::swap(t[0], t[1]);
-  EXPECT_EQ(code(inside_out, {1000, 0}), IssueCode::surface_no_volume);
-  EXPECT_EQ(code({}, {1000, 0}), IssueCode::surface_no_triangles);
+  EXPECT_EQ(code(inside_out, of_count(1000)), IssueCode::surface_no_volume);
+  EXPECT_EQ(code({}, of_count(1000)), IssueCode::surface_no_triangles);
 }
 
 }  // namespace

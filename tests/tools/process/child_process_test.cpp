@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tools/surface/child_process.hpp"
+#include "tools/process/child_process.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>

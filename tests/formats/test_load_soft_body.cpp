@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+// What of an asset file reaches the runtime.
+#include <gtest/gtest.h>
+
+#include "formats/read/asset_reader.hpp"
+#include "formats/read/validate.hpp"
+#include "formats/write/asset_writer.hpp"
+#include "runtime/load/load_soft_body.hpp"
+#include "runtime/world/soft_body_asset.hpp"
+#include "sample_asset.hpp"
+
+namespace souple::test {
+namespace {
+
+using Loaded = std::shared_ptr<const SoftBodyAsset>;
+
+const MaterialRegion soft{"soft", 1e4, 0.4, 1000};
+const MaterialRegion hard{"hard", 8e4, 0.25, 2500};
+
+/// The sample without compliances: they were made up.
+Asset plain_asset(Ties ties) {
+  Asset asset = make_sample_asset({.cells = 2, .regions = 1, .fixed_bottom = false, .ties = ties});
+  asset.compliances.clear();
+  return asset;
+}
+
+double mean_height(const TetMesh& mesh, const Tet& tet) {
+  double sum = 0;
+  for (const Index node : tet) sum += mesh.nodes[static_cast<std::size_t>(node)][2];
+  return sum / 4;
+}
+
+/// The box with these regions, the second in its upper half.
+Asset asset_of(const std::vector<MaterialRegion>& regions) {
+  Asset asset = plain_asset(Ties::parents);  // whose middle plane is one of nodes
+  asset.material.regions = regions;
+  if (regions.size() < 2) return asset;
+  const TetMesh& mesh = asset.levels.back().mesh;
+  for (const Tet& tet : mesh.tets)
+    asset.material.tet_region.push_back(mean_height(mesh, tet) > 0.1 ? 1 : 0);
+  return asset;
+}
+
+/// Through the bytes of a file; nullptr if anything refuses it.
+Loaded through_a_file(const Asset& asset, const LoadOptions& options = {}) {
+  const Result<std::vector<std::byte>> bytes = write_asset_memory(asset);
+  EXPECT_TRUE(bytes.ok()) << (bytes ? "" : format_issue(bytes.issue()));
+  if (!bytes) return nullptr;
+  EXPECT_TRUE(validate_asset_memory(*bytes).issues.empty());
+  Result<AssetReader> reader = AssetReader::open_memory(*bytes);
+  if (!reader) return nullptr;
+  const Result<Loaded> body = load_soft_body(*reader, options);
+  EXPECT_TRUE(body.ok()) << (body ? "" : format_issue(body.issue()));
+  return body ? *body : nullptr;
+}
+
+BlockMatrix stiffness_of(const SoftBodyAsset& body) {
+  BlockMatrix stiffness(body.model().pattern());
+  body.model().assemble_rest(0, 1, stiffness);
+  return stiffness;
+}
+
+class TwoMaterials : public ::testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(both_ && soft_ && hard_); }
+
+  Asset asset_ = asset_of({soft, hard});
+  Loaded both_ = through_a_file(asset_);
+  Loaded soft_ = through_a_file(asset_of({soft}));
+  Loaded hard_ = through_a_file(asset_of({hard}));
+};
+
+TEST_F(TwoMaterials, KeepTheirRegionsThroughAFile) {
+  const Result<std::vector<std::byte>> bytes = write_asset_memory(asset_);
+  ASSERT_TRUE(bytes.ok());
+  Result<AssetReader> reader = AssetReader::open_memory(*bytes);
+  ASSERT_TRUE(reader.ok());
+  const Result<Material> material = reader->read_material();
+  ASSERT_TRUE(material.ok());
+  EXPECT_EQ(material->tet_region, asset_.material.tet_region);
+  ASSERT_EQ(material->regions.size(), 2u);
+  EXPECT_EQ(material->regions[1].name, "hard");
+  EXPECT_EQ(material->regions[1].young_pa, 8e4);
+  EXPECT_EQ(material->regions[1].poisson, 0.25);
+  EXPECT_EQ(material->regions[1].density_kg_m3, 2500);
+}
+
+TEST_F(TwoMaterials, GiveEveryNodeTheMassOfItsTets) {
+  const auto& mesh = asset_.levels.back().mesh;
+  const auto both = both_->model().masses(), light = soft_->model().masses(),
+             heavy = hard_->model().masses();
+  for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
+    const double z = mesh.nodes[i][2];
+    if (z < 0.1 - 1e-9)
+      EXPECT_EQ(both[i], light[i]) << i;
+    else if (z > 0.1 + 1e-9)
+      EXPECT_EQ(both[i], heavy[i]) << i;
+    else
+      EXPECT_TRUE(both[i] > light[i] && both[i] < heavy[i]) << i;
+  }
+  const double mean = (soft_->model().total_mass() + hard_->model().total_mass()) / 2;
+  EXPECT_NEAR(both_->model().total_mass(), mean, 1e-12 * mean);
+}
+
+TEST_F(TwoMaterials, GiveEveryTetTheStiffnessOfItsRegion) {
+  const auto& mesh = asset_.levels.back().mesh;
+  const BlockMatrix both = stiffness_of(*both_), low = stiffness_of(*soft_),
+                    high = stiffness_of(*hard_);
+  const BlockPattern& pattern = both_->model().pattern();
+  const auto height = [&](Index node) { return mesh.nodes[static_cast<std::size_t>(node)][2] - 0.1; };
+  int below = 0, above = 0, between = 0;
+  for (Index row = 0; row < pattern.node_count(); ++row)
+    for (Index b = pattern.row_begin[static_cast<std::size_t>(row)];
+         b < pattern.row_begin[static_cast<std::size_t>(row) + 1]; ++b) {
+      // A tet that holds either node lies on that node's side.
+      const double z = height(row), other = height(pattern.column[static_cast<std::size_t>(b)]);
+      if (std::min(z, other) < -1e-9) {
+        EXPECT_EQ(both.block(b), low.block(b));
+        ++below;
+      } else if (std::max(z, other) > 1e-9) {
+        EXPECT_EQ(both.block(b), high.block(b));
+        ++above;
+      } else if (b == pattern.diagonal[static_cast<std::size_t>(row)]) {
+        EXPECT_GT(both.block(b).trace(), low.block(b).trace());
+        EXPECT_LT(both.block(b).trace(), high.block(b).trace());
+        ++between;
+      }
+    }
+  EXPECT_TRUE(below > 100 && above > 100 && between == 25) << below << " " << above << " " << between;
+}
+
+TEST(LoadSoftBody, GivesTheVisualSurfaceOnlyIfAskedFor) {
+  const Asset asset = plain_asset(Ties::both);
+  const Loaded without = through_a_file(asset), with = through_a_file(asset, {.visual = true});
+  ASSERT_TRUE(without && with);
+  EXPECT_EQ(without->visual(), nullptr);
+  ASSERT_NE(with->visual(), nullptr);
+  EXPECT_GT(with->resident_bytes(), without->resident_bytes());
+  const auto triangles = with->visual()->triangles();
+  EXPECT_TRUE(std::ranges::equal(triangles, asset.visual.surface.triangles));
+  std::vector<Point> vertices(with->visual()->vertex_count());
+  ASSERT_TRUE(with->visual()->positions(with->model().rest_positions(), vertices));
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(vertices[v][axis], asset.visual.surface.vertices[v][axis], 1e-15) << v;
+}
+
+TEST(LoadSoftBody, DoesWithoutAVisualSurface) {
+  Asset asset = plain_asset(Ties::both);
+  asset.visual = {};
+  const Loaded body = through_a_file(asset, {.visual = true});
+  ASSERT_NE(body, nullptr);
+  EXPECT_EQ(body->visual(), nullptr);
+}
+
+TEST(LoadSoftBody, LoadsEmbeddedLevels) {
+  const Asset asset = plain_asset(Ties::embedding);
+  const Loaded body = through_a_file(asset);
+  ASSERT_NE(body, nullptr);
+  EXPECT_EQ(static_cast<std::size_t>(body->model().node_count()), asset.levels[1].mesh.nodes.size());
+}
+
+TEST(LoadSoftBody, FetchesNothingThatItWasNotAskedFor) {
+  Asset asset =
+      make_sample_asset({.cells = 6, .regions = 1, .fixed_bottom = false, .visual_cells = 20});
+  asset.compliances.clear();
+  const Result<std::vector<std::byte>> bytes = write_asset_memory(asset);
+  ASSERT_TRUE(bytes.ok());
+  const auto fetched = [&](const LoadOptions& options) -> std::uint64_t {
+    Result<AssetReader> reader = AssetReader::open_memory(*bytes);
+    return reader && load_soft_body(*reader, options) ? reader->bytes_read() : 0;
+  };
+  Result<AssetReader> reader = AssetReader::open_memory(*bytes);
+  ASSERT_TRUE(reader.ok());
+  const Result<std::vector<GroupCost>> costs = reader->group_costs();
+  ASSERT_TRUE(costs.ok());
+  const std::uint64_t plain = fetched({}), with_visual = fetched({.visual = true});
+  std::uint64_t visual = 0, finest = 0;
+  for (const GroupCost& cost : *costs) {
+    if (cost.path == "mesh/visual") visual = cost.stored_bytes;
+    if (cost.path == "mesh/levels/1") finest = cost.stored_bytes;
+  }
+  constexpr std::uint64_t headers = 16384;
+  EXPECT_GT(plain, 0u);
+  EXPECT_LT(plain, finest + headers);
+  EXPECT_GE(with_visual, plain + visual);
+}
+
+}  // namespace
+}  // namespace souple::test
