@@ -94,7 +94,7 @@ constexpr double radius_edge_ratio = 2;
 constexpr std::size_t questions_per_vertex = 150;
 /// Perturbing asks 13 to 145 times a vertex on sound shapes, 700 on a camel with slits, and without end
 /// where sheets nearly touch.
-constexpr std::size_t perturb_questions_per_vertex = 1000;
+constexpr std::size_t perturb_questions_per_vertex = 1000, fewest_perturb_questions = 500'000;
 
 /// A size as CGAL asks for it.
 struct SizeField {
@@ -254,8 +254,9 @@ Result<RefinedMesh> VolumeMesher::refine(const MesherSizes& sizes, std::size_t m
 
 Result<TetMesh> VolumeMesher::optimise() try {
   namespace param = CGAL::parameters;
-  impl_->patience.reset(perturb_questions_per_vertex *
-                        impl_->complex.triangulation().number_of_vertices());
+  impl_->patience.reset(
+      std::max(fewest_perturb_questions,
+               perturb_questions_per_vertex * impl_->complex.triangulation().number_of_vertices()));
   CGAL::perturb_mesh_3(impl_->complex, impl_->domain, param::time_limit = 0,
                        param::sliver_bound = sliver_bound);
   CGAL::exude_mesh_3(impl_->complex, param::time_limit = 0, param::sliver_bound = sliver_bound);

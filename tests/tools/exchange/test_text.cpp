@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <array>
 #include <filesystem>
@@ -81,7 +82,8 @@ TEST(Base64, MatchesTheVectorsOfRfc4648) {
 
 class AtomicFile : public testing::Test {
  protected:
-  AtomicFile() : folder_(fs::path(testing::TempDir()) / "souple_atomic_file") {
+  AtomicFile()
+      : folder_(fs::path(testing::TempDir()) / ("souple_atomic_file_" + std::to_string(::getpid()))) {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

@@ -2,6 +2,7 @@
 #include "tools/scene/simulation.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <limits>
@@ -17,7 +18,8 @@ namespace fs = std::filesystem;
 /// One soft box in free fall, solved with the exact method so that no compliance is needed.
 class Simulation : public testing::Test {
  protected:
-  Simulation() : folder_(fs::path(testing::TempDir()) / "souple_simulation") {
+  Simulation()
+      : folder_(fs::path(testing::TempDir()) / ("souple_simulation_" + std::to_string(::getpid()))) {
     fs::remove_all(folder_);
     scene_.world.contact_method = ContactMethod::exact;
     SceneSoftBody body;
