@@ -108,7 +108,7 @@ Result<std::vector<TetMesh>> mesh_volume(const Recipe& recipe, const Source& sou
 }
 
 /// Where the levels were not asked for, one is taken if a coarse mesh would lose thin parts of the
-/// shape (on a camel the lattice's coarse cage has 3.6 times the volume, the fine mesh is exact).
+/// shape (on a camel the lattice's coarse cage has 3.6 times its volume).
 /// `recipe` becomes what was done. With several levels the mend of a refusal names that way out too.
 Result<std::vector<TetMesh>> mesh_with_levels(Recipe& recipe, const Source& source,
                                               const std::vector<LocalSize>& local_sizes, Stages& stages,

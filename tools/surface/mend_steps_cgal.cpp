@@ -2,7 +2,6 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
 #include <CGAL/Polygon_mesh_processing/manifoldness.h>
-#include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
 #include <CGAL/Polygon_mesh_processing/orientation.h>
 #include <CGAL/Polygon_mesh_processing/repair.h>
 #include <CGAL/Polygon_mesh_processing/repair_degeneracies.h>
@@ -18,6 +17,7 @@
 
 #include "tools/surface/canonical_flips.hpp"
 #include "tools/surface/mend_steps.hpp"
+#include "tools/surface/orient_soup.hpp"
 #include "tools/surface/pull_apart.hpp"
 #include "tools/surface/self_intersections.hpp"
 #include "tools/surface/surface_conversion.hpp"
@@ -110,25 +110,10 @@ std::vector<bool> grown(const TriangleMesh& mesh, std::vector<bool> chosen, std:
   return chosen;
 }
 
-/// By neighbourhood; consistent where the surface is, and every vertex has one fan.
-TriangleMesh oriented_soup(const TriangleMesh& mesh) {
-  std::vector<Kernel::Point_3> points;
-  for (const Point& p : mesh.vertices) points.emplace_back(p[0], p[1], p[2]);
-  std::vector<std::vector<std::size_t>> polygons;
-  for (const Triangle& t : mesh.triangles) polygons.push_back({at(t[0]), at(t[1]), at(t[2])});
-  pmp::orient_polygon_soup(points, polygons);
-  TriangleMesh oriented;
-  for (const auto& p : points) oriented.vertices.push_back({p.x(), p.y(), p.z()});
-  for (const auto& p : polygons)
-    oriented.triangles.push_back(
-        {static_cast<Index>(p[0]), static_cast<Index>(p[1]), static_cast<Index>(p[2])});
-  return oriented;
-}
-
 }  // namespace
 
 MendStep orient_and_cut(const TriangleMesh& mesh) {
-  Surface surface = to_surface<Surface>(oriented_soup(mesh));
+  Surface surface = to_surface<Surface>(orient_soup(mesh));
   pmp::stitch_borders(surface, CGAL::parameters::apply_per_connected_component(true));
   pmp::stitch_borders(surface);
   pmp::merge_reversible_connected_components(surface);
@@ -173,7 +158,7 @@ MendStep cut_out_intersections(const TriangleMesh& mesh, std::size_t rings) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     if (!chosen[t]) rest.triangles.push_back(mesh.triangles[t]);
   const std::size_t removed = mesh.triangles.size() - rest.triangles.size();
-  Surface surface = to_surface<Surface>(oriented_soup(rest));
+  Surface surface = to_surface<Surface>(orient_soup(rest));
   pmp::duplicate_non_manifold_vertices(surface);
   close_rims(surface, 1000, 10, full_search_of_cuts);
   return {without_lone_vertices(surface), removed};

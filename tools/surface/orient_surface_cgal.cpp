@@ -13,6 +13,7 @@
 #include "tools/geometry/surface_measure.hpp"
 #include "tools/geometry/vector.hpp"
 #include "tools/surface/clean_soup.hpp"
+#include "tools/surface/orient_soup.hpp"
 #include "tools/surface/prepare.hpp"
 #include "tools/surface/self_intersections.hpp"
 #include "tools/surface/surface_conversion.hpp"
@@ -28,21 +29,6 @@ namespace pmp = CGAL::Polygon_mesh_processing;
 constexpr double least_volume = 1e-9;
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
-
-/// Consistent orientation by neighbourhood; vertices with several fans are split.
-TriangleMesh orient_consistently(const TriangleMesh& mesh) {
-  std::vector<Kernel::Point_3> points;
-  for (const Point& p : mesh.vertices) points.emplace_back(p[0], p[1], p[2]);
-  std::vector<std::vector<std::size_t>> polygons;
-  for (const Triangle& t : mesh.triangles) polygons.push_back({at(t[0]), at(t[1]), at(t[2])});
-  pmp::orient_polygon_soup(points, polygons);
-  TriangleMesh oriented;
-  for (const auto& p : points) oriented.vertices.push_back({p.x(), p.y(), p.z()});
-  for (const auto& p : polygons)
-    oriented.triangles.push_back(
-        {static_cast<Index>(p[0]), static_cast<Index>(p[1]), static_cast<Index>(p[2])});
-  return oriented;
-}
 
 void turn_all(TriangleMesh& mesh) {
   for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
@@ -87,7 +73,7 @@ Result<OrientedSurface> orient(const TriangleMesh& surface) {
   const TriangleMesh merged = clean_soup(surface).mesh;
   if (const Status closed = check_closed(merged); !closed) return closed.issue();
   OrientedSurface out;
-  out.mesh = orient_consistently(merged);
+  out.mesh = orient_soup(merged);
   const SurfaceTopology topology = measure_topology(out.mesh.triangles, out.mesh.vertices.size());
   if (!topology.closed_oriented_manifold())
     return make_issue(IssueCode::surface_not_orientable, "the surface is one-sided");
@@ -113,6 +99,20 @@ Result<OrientedSurface> orient(const TriangleMesh& surface) {
 }
 
 }  // namespace
+
+TriangleMesh orient_soup(const TriangleMesh& mesh) {
+  std::vector<Kernel::Point_3> points;
+  for (const Point& p : mesh.vertices) points.emplace_back(p[0], p[1], p[2]);
+  std::vector<std::vector<std::size_t>> polygons;
+  for (const Triangle& t : mesh.triangles) polygons.push_back({at(t[0]), at(t[1]), at(t[2])});
+  pmp::orient_polygon_soup(points, polygons);
+  TriangleMesh oriented;
+  for (const auto& p : points) oriented.vertices.push_back({p.x(), p.y(), p.z()});
+  for (const auto& p : polygons)
+    oriented.triangles.push_back(
+        {static_cast<Index>(p[0]), static_cast<Index>(p[1]), static_cast<Index>(p[2])});
+  return oriented;
+}
 
 Result<OrientedSurface> orient_closed_surface(const TriangleMesh& surface) try {
   return orient(surface);

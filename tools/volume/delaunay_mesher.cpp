@@ -39,7 +39,8 @@ constexpr double too_many = 2;
 
 /// Mean edges between a vertex of the surface and the mesh that tell of a lost limb.
 constexpr double limb_missed = 0.6;
-/// Beyond it no seed helps: it is a slit whose sides the mesh joins.
+/// Beyond it denser seeds are not tried: what is missed there (camel.off, 4 edges) takes many seconds a
+/// try.
 constexpr double slit_closed = 3;
 
 std::string rounded(double value) {

@@ -94,7 +94,7 @@ double SizeGoal::miss(double tet_count, double mean_edge) const {
 std::size_t SizeGoal::most_vertices() const {
   if (kind == Kind::radius) return most_tets / 4;
   // Enough for a first guess that is far off. Near-touching sheets are refined without end: every
-  // vertex more is lost time (camel.off at 10k tets: over 100 s with ten times as many).
+  // vertex more is lost time.
   return static_cast<std::size_t>(4 * expected_node_count()) + 2'000;
 }
 

@@ -92,8 +92,8 @@ constexpr double radius_edge_ratio = 2;
 /// The limit of vertices is four times what is expected. Refinements that end ask up to 65 times for
 /// each of their vertices.
 constexpr std::size_t questions_per_vertex = 150;
-/// Perturbing asks 13 to 145 times a vertex on sound shapes, 700 on a camel with slits, and without end
-/// where sheets nearly touch.
+/// Perturbing asks 13 to 145 times a vertex on sound shapes, 700 on a camel with slits; where sheets
+/// nearly touch (self_intersectA.obj) it was still at it after a minute.
 constexpr std::size_t perturb_questions_per_vertex = 1000, fewest_perturb_questions = 500'000;
 
 /// A size as CGAL asks for it.

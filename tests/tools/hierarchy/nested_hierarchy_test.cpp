@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string_view>
 
 #include "tests/tools/hierarchy/hierarchy_shapes.hpp"
 #include "tests/tools/real_surface.hpp"
@@ -81,7 +82,9 @@ TEST_P(FittedHierarchy, ComesToTheSurfaceAndKeepsTheQuality) {
     EXPECT_GT(report.rigid_motion_error.parents, 1e-3);
     EXPECT_LT(report.rigid_motion_error.embedding, 1e-12);
     // Thin limbs give way to the quality of their tets most: the dinosaur's, 18 %.
-    EXPECT_LT(report.held_back_count, used_nodes(hierarchy->levels[l].boundary).size() / 4);
+    const double most = GetParam() == std::string_view("dino.off") ? 0.2 : 0.1;
+    EXPECT_LT(static_cast<double>(report.held_back_count),
+              most * static_cast<double>(used_nodes(hierarchy->levels[l].boundary).size()));
   }
   // The volume the coarse mesh lacks comes back.
   const double real = signed_volume(surface);
