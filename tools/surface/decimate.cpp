@@ -178,7 +178,7 @@ Result<DecimatedSurface> decimate(const TriangleMesh& surface, const DecimateOpt
   if (const Status valid = check_closed_oriented_manifold(surface); !valid) return valid.issue();
   if (!(longest_side(bounding_box(surface.vertices)) > 0))
     return make_issue(IssueCode::surface_no_volume, "all vertices lie in one point");
-  const UnitFrame frame(surface.vertices);
+  const UnitFrame frame = UnitFrame::along_axes_of(surface);
   Input input;
   input.unit = surface;
   for (Point& p : input.unit.vertices) p = frame.to_unit(p);

@@ -101,8 +101,8 @@ std::size_t SizeGoal::most_vertices() const {
 Result<SizeGoal> goal_of(const UnitSurface& unit, const TetrahedralizeOptions& options) {
   const auto bad = [](const std::string& what) { return make_issue(IssueCode::usage_bad_value, what); };
   SizeGoal goal{Kind::tet_count, 0, signed_volume(unit.mesh), surface_area(unit.mesh)};
-  const double edge = options.edge_length_m / unit.frame.length_m;
-  const double error = options.max_error_m / unit.frame.length_m;
+  const double edge = options.edge_length_m / unit.frame.length_m();
+  const double error = options.max_error_m / unit.frame.length_m();
   if (edge == 0 && error == 0) {
     if (options.target_tet_count < fewest_tets || options.target_tet_count > most_tets)
       return bad("a target of " + std::to_string(options.target_tet_count) + " tets is outside " +

@@ -66,11 +66,11 @@ Status check_sizes(const TetrahedralizeOptions& options) {
 Sizing::Sizing(const UnitSurface& unit, const TetrahedralizeOptions& options)
     : frame_(unit.frame),
       coarsening_(options.interior_coarsening),
-      max_error_(options.max_error_m / unit.frame.length_m) {
+      max_error_(options.max_error_m / unit.frame.length_m()) {
   if (coarsening_ > 1) surface_ = std::make_shared<TriangleBvh>(unit.mesh);
   for (const LocalSize& size : options.local_sizes) {
     Local& local = local_.emplace_back(
-        Local{size.edge_length_m / unit.frame.length_m / edge_per_radius, size, {}});
+        Local{size.edge_length_m / unit.frame.length_m() / edge_per_radius, size, {}});
     if (const auto* patch = std::get_if<PatchRegion>(&size.region))
       local.patch = std::make_shared<TriangleBvh>(patch->patch);
   }
@@ -91,9 +91,9 @@ double Sizing::cell_radius(const Point& unit_point, double base) const {
     radius = std::min(coarsening_ * base, base + growth * depth);
   }
   if (local_.empty()) return radius;
-  const Point x = frame_.to_world(unit_point);
+  const Point x = frame_.to_metres(unit_point);
   for (const Local& local : local_)
-    radius = std::min(radius, local.cell_radius + growth * local.distance_m(x) / frame_.length_m);
+    radius = std::min(radius, local.cell_radius + growth * local.distance_m(x) / frame_.length_m());
   return radius;
 }
 

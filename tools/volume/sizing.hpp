@@ -36,7 +36,7 @@ class Sizing {
     std::shared_ptr<const TriangleBvh> patch;
     double distance_m(const Point& x) const;
   };
-  const PrincipalFrame& frame_;
+  const UnitFrame& frame_;
   double coarsening_;
   double max_error_;  ///< units of the surface; 0: free
   std::shared_ptr<const TriangleBvh> surface_;

@@ -19,7 +19,7 @@ namespace {
 Result<TetrahedralizedVolume> finish(VolumeDraft draft, const UnitSurface& unit, MesherKind mesher) {
   TetrahedralizedVolume volume;
   volume.mesh = in_canonical_order(draft.mesh);
-  for (Point& p : volume.mesh.nodes) p = unit.frame.to_world(p);
+  for (Point& p : volume.mesh.nodes) p = unit.frame.to_metres(p);
   if (const Status positive = check_tets(volume.mesh); !positive) return positive.issue();
   TetrahedralizeReport& report = volume.report;
   report.node_count = volume.mesh.nodes.size();

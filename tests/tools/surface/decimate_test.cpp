@@ -21,7 +21,7 @@ TEST(Decimate, KeepsRealShapesClosedAndTheirVolume) {
        {"liver-smooth.obj", "dino.off", "bunny_10k.obj", "anchor.off", "knot2.off"}) {
     TriangleMesh surface = closed_real_surface(name);
     // On the grid beforehand: what is measured is what the collapse does to the volume.
-    const UnitFrame frame(surface.vertices);
+    const UnitFrame frame = UnitFrame::along_axes_of(surface);
     surface.vertices = frame.to_metres(frame.to_unit(surface.vertices));
     const auto decimated = decimate_surface(surface, {2000});
     ASSERT_TRUE(decimated.ok()) << name << ": " << format_issue(decimated.issue());
