@@ -16,9 +16,27 @@ struct Source {
   TriangleMesh closed;  ///< repaired
 };
 
-/// The ways to a volume, each tried where the one before fails: the Delaunay mesher on the decimated
-/// surface, on the whole one (decimation may fold thin parts), on a wrap of it (slits and near-touching
-/// sheets, which repair leaves, send the mesher astray: camel.off, cow.off), and the lattice.
+/// Degrees: below it another way to a volume is tried, with and without sharp edges.
+constexpr double poor_dihedral_sharp = 5, poor_dihedral_smooth = 10;
+
+double flattest(const TetrahedralizedVolume& volume) { return volume.report.quality.min_dihedral_deg; }
+
+bool is_good(const Result<TetrahedralizedVolume>& volume) {
+  if (!volume) return false;
+  return flattest(*volume) >=
+         (volume->report.features.kept ? poor_dihedral_sharp : poor_dihedral_smooth);
+}
+
+Issue fault_of(const Result<TetrahedralizedVolume>& volume) {
+  if (!volume) return volume.issue();
+  return make_issue(IssueCode::meshing_failed,
+                    "the smallest dihedral angle is " + std::to_string(flattest(*volume)) + " degrees");
+}
+
+/// The ways to a volume, each tried where the one before fails or leaves flat tets: the Delaunay mesher
+/// on the decimated surface, on the whole one (decimation may fold thin parts), on a wrap of it (slits
+/// and near-touching sheets, which repair leaves, send the mesher astray: camel.off, cow.off), and the
+/// lattice.
 class VolumeWays {
  public:
   VolumeWays(const Recipe& recipe, const Source& source, Stages& stages, BodyMeshReport& report)
@@ -32,12 +50,14 @@ class VolumeWays {
     const DecimateOptions fewer = decimate_options(recipe_, source_.closed, options);
     auto decimated = decimated_surface(source_.closed, fewer, true);
     auto volume = decimated ? tets_of(*decimated, delaunay, "") : decimated.issue();
-    if (volume || volume.issue().code == IssueCode::usage_bad_value) return volume;
-    const Issue first = volume.issue();
-    if (decimated && decimated->triangles.size() < source_.closed.triangles.size())
+    if (is_good(volume) || (!volume && volume.issue().code == IssueCode::usage_bad_value))
+      return volume;
+    const Issue first = fault_of(volume);
+    if (!volume && decimated && decimated->triangles.size() < source_.closed.triangles.size())
       volume = tets_of(source_.closed, delaunay, "the whole surface was meshed: decimated, ", &first);
-    if (volume || !last_ways) return volume;
-    volume = wrapped(delaunay, fewer, first);
+    if (is_good(volume) || !last_ways) return volume;
+    auto wrap = wrapped(delaunay, fewer, first);
+    if (wrap && (!volume || flattest(*wrap) > flattest(*volume))) volume = std::move(wrap);
     if (volume || options.mesher == MesherKind::delaunay) return volume ? std::move(volume) : first;
     delaunay.mesher = MesherKind::lattice;
     return tets_of(source_.closed, delaunay, "the lattice was taken: ", &first);
@@ -57,7 +77,7 @@ class VolumeWays {
                                         const TetrahedralizeOptions& options,
                                         const std::string& instead, const Issue* first = nullptr) {
     auto volume = stages_.run("tetrahedralize", [&] { return tetrahedralize(surface, options); });
-    if (volume && first != nullptr) report_.notes.push_back(instead + first->what);
+    if (volume && first != nullptr) volume->report.notes.push_back(instead + first->what);
     return volume;
   }
 

@@ -25,6 +25,11 @@ constexpr double tolerable = 0.1;
 /// Degrees: what a mesh shall have, with room above the 10 (smooth) and 5 (sharp edges) promised.
 constexpr double good_dihedral_smooth = 10, good_dihedral_sharp = 6;
 constexpr double good_aspect = 20;
+/// A mesh below it is refused: such tets do not survive refinement.
+constexpr double least_dihedral = 1;
+/// Of the mean edge. Refinement may run into a corner of near-touching sheets (edges of 5e-8 of the
+/// size on a wrap of Spider_ascii.stl).
+constexpr double least_edge = 1e-3;
 /// Flat tets on flat boundaries are peeled below this.
 constexpr double peel_dihedral = 8;
 /// In cell radii. Wide seeds miss legs and tails thinner than a tet: with 3, 2, 1.4, 1 the farthest
@@ -42,6 +47,16 @@ constexpr double limb_missed = 0.6;
 /// Beyond it denser seeds are not tried: what is missed there (camel.off, 4 edges) takes many seconds a
 /// try.
 constexpr double slit_closed = 3;
+
+double shortest_edge_of(const TetMesh& mesh) {
+  double least = HUGE_VAL;
+  for (const Tet& tet : mesh.tets)
+    for (std::size_t a = 0; a < 4; ++a)
+      for (std::size_t b = a + 1; b < 4; ++b)
+        least = std::min(least, squared_norm(subtract(mesh.nodes[static_cast<std::size_t>(tet[a])],
+                                                      mesh.nodes[static_cast<std::size_t>(tet[b])])));
+  return std::sqrt(least);
+}
 
 std::string rounded(double value) {
   char text[32];
@@ -66,6 +81,10 @@ Result<TetMesh> optimised(VolumeMesher& mesher, const UnitSurface& unit) {
   if (!check_boundary(*mesh)) remove_pinches(*mesh);
   drop_unused_nodes(*mesh);
   if (const Status sound = check_against_surface(*mesh, unit.mesh); !sound) return sound.issue();
+  if (const double shortest = shortest_edge_of(*mesh); shortest < least_edge * mean_edge_of(*mesh))
+    return make_issue(IssueCode::meshing_failed, "refinement ran into a point: edges of " +
+                                                     std::to_string(1e9 * shortest) +
+                                                     "e-9 of the body's size");
   return mesh;
 }
 
@@ -100,6 +119,10 @@ Result<VolumeDraft> optimise_soundly(VolumeMesher& mesher, const UnitSurface& un
     }
   }
   if (best.mesh.tets.empty()) return *refusal;
+  const double flattest = measure_tet_quality(best.mesh).min_dihedral_deg;
+  if (flattest < least_dihedral)
+    return make_issue(IssueCode::meshing_failed,
+                      "the flattest dihedral angle left is " + rounded(flattest) + " degrees");
   return best;
 }
 
