@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
-// The logical content of an asset file (`*.souple`), version 1.1, as plain structs.
+// The logical content of an asset file (`*.souple`), version 1.2, as plain structs.
 #pragma once
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
 
+#include "formats/core/hierarchical_compliance.hpp"
 #include "formats/core/mesh.hpp"
 
 namespace souple {
 
 inline constexpr int asset_version_major = 1;
-inline constexpr int asset_version_minor = 1;
+inline constexpr int asset_version_minor = 2;
 
 /// Where a point sits in a tet mesh: x = sum_k weights[k] x_k over the four nodes of `tet`. The weights
 /// sum to 1; outside the tet some are negative (linear extrapolation), so affine motions are exact.
@@ -72,19 +73,27 @@ struct FixedSet {
 
 enum class ComplianceKind : std::uint8_t { dynamic_step, static_equilibrium };
 
-/// How the bytes of a variant are to be read. Names in the file: "dense-tiled".
+/// How the bytes of a variant are to be read. Names in the file: "dense-tiled", "hierarchical".
 enum class ComplianceRepresentation : std::uint8_t {
   /// Lower block triangle of the symmetric 3n x 3n matrix in square tiles of `tile_nodes` nodes.
   /// Block b = I (I + 1) / 2 + J holds tile (I, J), J <= I, row-major; diagonal tiles are stored whole,
   /// rows and columns past n are zero. Every block has (3 tile_nodes)^2 scalars.
   dense_tiled,
+  /// Low-rank off-diagonal blocks over a cluster tree, quantised (hierarchical_compliance.hpp); the
+  /// payload is the leaves' records. New in 1.2.
+  hierarchical,
 };
+
+/// Which measured error the tolerance of a compressed compliance bounds. Names in the file:
+/// "scaled-spectral", "frobenius", "worst-column".
+enum class ErrorNorm : std::uint8_t { scaled_spectral, frobenius, worst_column };
 
 enum class ScalarType : std::uint8_t { float32, float64 };
 
 /// What was measured of a stored compliance C~ against the computed C. All relative, dimensionless.
 struct ComplianceError {
-  double solve_residual = 0;   ///< max over columns of ||A0 C e_j - e_j||_2, in double, before storing
+  double solve_residual =
+      0;  ///< of random probes: ||A0 C f - f||_2 / ||f||_2, in double, before storing
   double scaled_spectral = 0;  ///< ||D^-1/2 (C - C~) D^-1/2||_2, D the 3x3 diagonal blocks of C
   double frobenius = 0;        ///< ||C - C~||_F / ||C||_F
   double worst_column = 0;     ///< max over columns of ||(C - C~) e_j||_2 / ||C e_j||_2
@@ -100,20 +109,36 @@ struct ComplianceHeader {
   /// 1/h^2 + alpha/h and 1 + beta/h (dynamic), 0 and 1 (static).
   double mass_factor = 0;
   double stiffness_factor = 1;
-  double tolerance_asked = 0;  ///< 0: exact to the scalar type
+  double tolerance_asked = 0;                         ///< 0: exact to the scalar type
+  ErrorNorm error_norm = ErrorNorm::scaled_spectral;  ///< what the tolerance bounds
   ComplianceError error;
   ComplianceRepresentation representation = ComplianceRepresentation::dense_tiled;
   ScalarType scalar = ScalarType::float32;
-  std::int64_t node_count = 0;  ///< n: nodes the compliance couples
-  std::int64_t tile_nodes = 0;  ///< dense_tiled only
-  std::int64_t block_count = 0;
-  std::int64_t block_scalars = 0;  ///< scalars per block
+  std::int64_t node_count = 0;  ///< n: nodes (rows of 3) that are stored
+  std::int64_t tile_nodes = 0;  ///< dense_tiled only, else 0
+  std::int64_t block_count = 0;    ///< dense_tiled: tiles; hierarchical: leaves
+  std::int64_t block_scalars = 0;  ///< dense_tiled: scalars per block; else 0
+  /// hierarchical only: added to C~ times D, the measured error, so that the compliance stays positive
+  /// semi-definite.
+  double shift = 0;
+  /// 0: the nodes are the finest level's own. 1: the stored rows are nodes of the level below, and the
+  /// variant's prolongation carries them to the finest level.
+  std::int64_t coarsening = 0;
+};
+
+/// A finest-level node of a coarse compliance: u = sum_k weight[k] u_row[k].
+struct RowProlongation {
+  std::array<Index, 4> row{};  ///< stored rows; unused ones repeat the first with weight 0
+  std::array<double, 4> weight{};
 };
 
 struct ComplianceVariant {
   ComplianceHeader header;
-  std::vector<Index> nodes;        ///< finest-level node of every row block, ascending, size n
-  std::vector<std::byte> payload;  ///< blocks one after another, little-endian scalars; m/N
+  std::vector<Index> nodes;  ///< finest-level nodes, ascending; size n unless coarsened
+  std::vector<RowProlongation> prolongation;  ///< empty, or of every one of `nodes` (coarsening 1)
+  HierarchicalIndex hierarchy;                ///< hierarchical only
+  /// dense_tiled: blocks one after another, little-endian scalars, m/N; hierarchical: the records.
+  std::vector<std::byte> payload;
 };
 
 struct Provenance {

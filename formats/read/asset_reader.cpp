@@ -2,9 +2,11 @@
 #include "formats/read/asset_reader.hpp"
 
 #include <exception>
+#include <optional>
 #include <utility>
 
 #include "formats/core/limits.hpp"
+#include "formats/read/internal/read_compliance.hpp"
 #include "formats/read/internal/read_parts.hpp"
 #include "formats/storage/device_driver.hpp"
 #include "formats/storage/group_reader.hpp"
@@ -72,9 +74,23 @@ Result<GroupCost> cost_of(const GroupReader& root, const std::vector<std::string
     if (!dataset) continue;
     cost.stored_bytes += dataset->stored_bytes();
     cost.raw_bytes += dataset->raw_bytes();
+    if (path.front() != layout::compliance || name != layout::payload) continue;
+    cost.payload_stored_bytes = dataset->stored_bytes();
+    cost.payload_raw_bytes = dataset->raw_bytes();
+    cost.payload_chunk_bytes = dataset->chunk_bytes();
   }
   return cost;
 }
+
+}  // namespace
+
+namespace {
+
+/// The payload that was read last.
+struct OpenPayload {
+  std::string name;
+  storage::DatasetReader dataset;
+};
 
 }  // namespace
 
@@ -89,6 +105,7 @@ struct AssetReader::State {
   bool has_visual = false;
   std::vector<std::string> fixed_sets;
   std::vector<std::string> compliances;
+  std::optional<OpenPayload> payload;
 
   State(std::unique_ptr<storage::ByteDevice> bytes, std::string name)
       : device(std::move(bytes)), where(std::move(name)) {}
@@ -96,6 +113,7 @@ struct AssetReader::State {
   State& operator=(const State&) = delete;
   ~State() {
     const Hdf5Session session;
+    payload.reset();
     file.close();
   }
 
@@ -132,7 +150,22 @@ struct AssetReader::State {
 
   Status read_identity();
   Status read_contents();
+  Result<storage::DatasetReader*> payload_of(const std::string& name);
 };
+
+/// Opened and its chunks looked at, unless it still is from the last time.
+Result<storage::DatasetReader*> AssetReader::State::payload_of(const std::string& name) {
+  if (payload && payload->name == name) return &payload->dataset;
+  const Result<GroupReader> group = open({layout::compliance, name});
+  if (!group) return group.issue();
+  const Result<ComplianceHeader> header = storage::read_compliance_header(*group, name);
+  if (!header) return header.issue();
+  Result<storage::DatasetReader> dataset = storage::open_payload(*group, *header);
+  if (!dataset) return dataset.issue();
+  if (Status status = dataset->check_chunks(); !status) return status.issue();
+  payload.emplace(OpenPayload{name, std::move(*dataset)});
+  return &payload->dataset;
+}
 
 /// Format, version and hash: the attributes that decide whether to go on.
 Status AssetReader::State::read_identity() {
@@ -332,6 +365,39 @@ Result<ComplianceVariant> AssetReader::read_compliance(const std::string& name) 
                              [&](const GroupReader& group, const auto& finest) {
                                return storage::read_compliance(group, name, finest);
                              });
+  });
+}
+
+Result<ComplianceVariant> AssetReader::read_compliance_index(const std::string& name) {
+  return guarded([&] {
+    return state_->read_part({layout::compliance, name},
+                             [&](const GroupReader& group, const auto& finest) {
+                               return storage::read_compliance_index(group, name, finest);
+                             });
+  });
+}
+
+Result<GroupCost> AssetReader::read_compliance_cost(const std::string& name) {
+  return guarded([&]() -> Result<GroupCost> {
+    const Result<GroupReader> top = state_->root();
+    return top ? cost_of(*top, {layout::compliance, name}) : Result<GroupCost>(top.issue());
+  });
+}
+
+Result<ComplianceSummary> AssetReader::read_compliance_summary(const std::string& name) {
+  return guarded([&]() -> Result<ComplianceSummary> {
+    const Result<GroupReader> group = state_->open({layout::compliance, name});
+    if (!group) return group.issue();
+    return storage::read_compliance_summary(*group, name);
+  });
+}
+
+Status AssetReader::read_payload(const std::string& name, std::uint64_t begin,
+                                 std::span<std::byte> bytes) {
+  return guarded([&]() -> Status {
+    const Result<storage::DatasetReader*> payload = state_->payload_of(name);
+    if (!payload) return payload.issue();
+    return (*payload)->read_range(begin, bytes);
   });
 }
 

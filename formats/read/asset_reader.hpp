@@ -23,6 +23,20 @@ struct GroupCost {
   std::string path;                ///< "mesh/levels/1", "compliance/default"
   std::uint64_t stored_bytes = 0;  ///< in the file, compressed
   std::uint64_t raw_bytes = 0;     ///< decoded
+  /// Of a compliance: its payload's share of both, and the decoded size of the chunks that it is read
+  /// in.
+  std::uint64_t payload_stored_bytes = 0;
+  std::uint64_t payload_raw_bytes = 0;
+  std::uint64_t payload_chunk_bytes = 0;
+};
+
+/// What a variant is, without the numbers that its use needs.
+struct ComplianceSummary {
+  ComplianceHeader header;
+  std::uint64_t surface_node_count = 0;    ///< finest-level nodes that it stands for
+  std::int64_t depth = 0;                  ///< hierarchical only, as what follows
+  std::vector<Index> rank;                 ///< [2^depth - 1] of HierarchicalIndex
+  std::vector<std::int64_t> record_begin;  ///< [2^depth + 1]
 };
 
 struct LevelSizes {
@@ -72,6 +86,16 @@ class AssetReader {
   const std::vector<std::string>& compliance_names() const;
   Result<ComplianceHeader> read_compliance_header(const std::string& name);
   Result<ComplianceVariant> read_compliance(const std::string& name);
+  /// All of a variant but its payload, which is not read: `payload` stays empty.
+  Result<ComplianceVariant> read_compliance_index(const std::string& name);
+  Result<GroupCost> read_compliance_cost(const std::string& name);  ///< headers only
+  /// Headers and, of a hierarchical one, ranks and the places of its records.
+  Result<ComplianceSummary> read_compliance_summary(const std::string& name);
+  /// Bytes [begin, begin + bytes.size()) of a hierarchical payload (asset_corrupt for a dense one):
+  /// reads the chunks they lie in and no others. The record of leaf l is [record_begin[l],
+  /// record_begin[l + 1]). The variant that was read last stays open, so that many small reads cost
+  /// their chunks alone.
+  Status read_payload(const std::string& name, std::uint64_t begin, std::span<std::byte> bytes);
 
   Result<std::vector<GroupCost>> group_costs();  ///< headers only, no bulk data
   /// Bytes fetched from the file so far, metadata included, as counted below HDF5.

@@ -94,6 +94,49 @@ void add_parts_of_1_1(ContentHasher& hasher, const Asset& asset) {
   add_embedding(hasher, asset.visual.embedding);
 }
 
+void add_hierarchy(ContentHasher& hasher, const HierarchicalIndex& index) {
+  hasher.add(static_cast<std::uint64_t>(index.depth));
+  hasher.add(index.order);
+  hasher.add(index.scale);
+  hasher.add(index.leaf_step);
+  hasher.add(index.leaf_planes);
+  hasher.add(index.rank);
+  hasher.add(index.step);
+  hasher.add(index.singular);
+  hasher.add(index.planes);
+  hasher.add(index.record_begin);
+}
+
+void add_prolongation(ContentHasher& hasher, const std::vector<RowProlongation>& prolongation) {
+  // Field by field, as embeddings.
+  hasher.add(static_cast<std::uint64_t>(prolongation.size()));
+  for (const RowProlongation& row : prolongation) {
+    for (const Index source : row.row) hasher.add(static_cast<std::uint64_t>(source));
+    for (const double weight : row.weight) hasher.add(weight);
+  }
+}
+
+/// The same for version 1.2.
+void add_parts_of_1_2(ContentHasher& hasher, const std::vector<const ComplianceVariant*>& variants) {
+  for (const ComplianceVariant* variant : variants) {
+    const ComplianceHeader& header = variant->header;
+    if (header.representation == ComplianceRepresentation::hierarchical) {
+      hasher.add(std::string_view("hierarchy of " + header.name));
+      hasher.add(header.shift);
+      add_hierarchy(hasher, variant->hierarchy);
+    }
+    if (header.error_norm != ErrorNorm::scaled_spectral) {
+      hasher.add(std::string_view("error norm of " + header.name));
+      hasher.add(static_cast<std::uint64_t>(header.error_norm));
+    }
+    if (header.coarsening != 0) {
+      hasher.add(std::string_view("coarsening of " + header.name));
+      hasher.add(static_cast<std::uint64_t>(header.coarsening));
+      add_prolongation(hasher, variant->prolongation);
+    }
+  }
+}
+
 void add_material(ContentHasher& hasher, const Material& material) {
   hasher.add(static_cast<std::uint64_t>(material.regions.size()));
   for (const MaterialRegion& region : material.regions) {
@@ -144,13 +187,15 @@ std::string content_hash(const Asset& asset) {
     hasher.add(set->nodes);
   }
   hasher.add(static_cast<std::uint64_t>(asset.compliances.size()));
-  for (const ComplianceVariant* variant :
-       by_name(asset.compliances, [](const auto& v) -> const std::string& { return v.header.name; })) {
+  const auto variants =
+      by_name(asset.compliances, [](const auto& v) -> const std::string& { return v.header.name; });
+  for (const ComplianceVariant* variant : variants) {
     add_header(hasher, variant->header);
     hasher.add(variant->nodes);
     hasher.add(variant->payload);
   }
   add_parts_of_1_1(hasher, asset);
+  add_parts_of_1_2(hasher, variants);
   return hasher.hex();
 }
 

@@ -38,13 +38,16 @@ FilterEntry filter_at(hid_t creation, unsigned place) {
   return entry;
 }
 
+/// Shuffle may be missing where it would do nothing.
 bool has_our_filters(hid_t creation, std::size_t scalar_bytes) {
-  if (H5Pget_nfilters(creation) != 3) return false;
+  const int count = H5Pget_nfilters(creation);
+  if (count != 3 && !(count == 2 && scalar_bytes == 1)) return false;
   const FilterEntry shuffle = filter_at(creation, 0);
-  const FilterEntry zstd = filter_at(creation, 1);
-  const FilterEntry sum = filter_at(creation, 2);
-  return shuffle.id == H5Z_FILTER_SHUFFLE && shuffle.first_value == scalar_bytes &&
-         zstd.id == zstd_filter_id && !zstd.optional && sum.id == H5Z_FILTER_FLETCHER32;
+  const FilterEntry zstd = filter_at(creation, static_cast<unsigned>(count) - 2);
+  const FilterEntry sum = filter_at(creation, static_cast<unsigned>(count) - 1);
+  const bool shuffled = shuffle.id == H5Z_FILTER_SHUFFLE && shuffle.first_value == scalar_bytes;
+  return (count == 2 || shuffled) && zstd.id == zstd_filter_id && !zstd.optional &&
+         sum.id == H5Z_FILTER_FLETCHER32;
 }
 
 }  // namespace
@@ -178,8 +181,27 @@ Status DatasetReader::check_chunks_and_rows(std::uint64_t row_limit) const {
 
 Status DatasetReader::read(std::span<std::byte> bytes) const {
   if (bytes.size() != raw_bytes_) return damaged("the buffer does not fit the data");
-  const ExpectedChunkBytes expected(static_cast<std::size_t>(chunk_[0] * chunk_[1] * scalar_bytes_));
-  if (H5Dread(id_.get(), type_.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0)
+  return decode(H5S_ALL, H5S_ALL, bytes);
+}
+
+Status DatasetReader::read_range(std::uint64_t begin, std::span<std::byte> bytes) const {
+  const bool whole_scalars = begin % scalar_bytes_ == 0 && bytes.size() % scalar_bytes_ == 0;
+  if (rank_ != 1 || !whole_scalars || begin > raw_bytes_ || bytes.size() > raw_bytes_ - begin)
+    return damaged("bytes " + std::to_string(begin) + " + " + std::to_string(bytes.size()) +
+                   " are not part of the data");
+  if (bytes.empty()) return {};
+  const hsize_t start = begin / scalar_bytes_, count = bytes.size() / scalar_bytes_;
+  const Handle selection(H5Dget_space(id_.get()));
+  const Handle memory(H5Screate_simple(1, &count, nullptr));
+  if (!selection || !memory ||
+      H5Sselect_hyperslab(selection.get(), H5S_SELECT_SET, &start, nullptr, &count, nullptr) < 0)
+    return damaged("a range cannot be selected");
+  return decode(memory.get(), selection.get(), bytes);
+}
+
+Status DatasetReader::decode(hid_t memory, hid_t selection, std::span<std::byte> bytes) const {
+  const ExpectedChunkBytes expected(static_cast<std::size_t>(chunk_bytes()));
+  if (H5Dread(id_.get(), type_.get(), memory, selection, H5P_DEFAULT, bytes.data()) < 0)
     return damaged("the data cannot be decoded: a checksum or a length is wrong");
   return {};
 }

@@ -13,8 +13,8 @@
 
 namespace souple::storage {
 
-/// One dataset: chunked, shuffled, zstd, fletcher32, of rank 1 or 2 and fixed extent; anything else is
-/// refused when it is opened. Opening reads headers only.
+/// One dataset: chunked, shuffled (bytes may go without), zstd, fletcher32, of rank 1 or 2 and fixed
+/// extent; anything else is refused when it is opened. Opening reads headers only.
 class DatasetReader {
  public:
   /// `file_bytes` bounds what the dataset may claim to store.
@@ -26,6 +26,7 @@ class DatasetReader {
   std::uint64_t raw_bytes() const { return raw_bytes_; }
   std::uint64_t stored_bytes() const;
   std::size_t scalar_bytes() const { return scalar_bytes_; }
+  std::uint64_t chunk_bytes() const { return chunk_[0] * chunk_[1] * scalar_bytes_; }  ///< decoded
   bool has_scalar(hid_t type) const;
   /// Fixed-length UTF-8 text, rank 1.
   bool is_text() const;
@@ -34,6 +35,9 @@ class DatasetReader {
   Status expect(const RowType& row) const;
   /// Decodes everything into `bytes`, of length raw_bytes(). Call check_chunks first.
   Status read(std::span<std::byte> bytes) const;
+  /// Rank 1: fills `bytes` from byte `begin`, decoding the chunks it lies in and no others.
+  /// asset_corrupt also if the range leaves the extent or cuts a scalar. Call check_chunks first.
+  Status read_range(std::uint64_t begin, std::span<std::byte> bytes) const;
   /// Every chunk is there, complete, inside the file and of a plausible size: what has to hold before
   /// memory is taken for the decoded data. asset_corrupt, asset_limit_exceeded.
   Status check_chunks() const;
@@ -53,6 +57,7 @@ class DatasetReader {
   Status read_type();
   Status check_storage() const;
   Status read_chunk_shape();
+  Status decode(hid_t memory, hid_t selection, std::span<std::byte> bytes) const;
   Status check_chunks_and_rows(std::uint64_t row_limit) const;
   /// Stored bytes of the chunk at this element offset, 0 if it is not as it must be.
   std::uint64_t chunk_bytes_at(const std::array<hsize_t, 2>& offset) const;

@@ -85,12 +85,15 @@ Result<std::vector<std::string>> GroupReader::child_names(std::size_t limit) con
   return std::move(list.names);
 }
 
-bool GroupReader::has_attribute(const char* attribute) const {
-  return H5Aexists(id_.get(), attribute) > 0;
+Result<bool> GroupReader::has_attribute(const char* attribute) const {
+  const htri_t found = H5Aexists(id_.get(), attribute);
+  if (found < 0) return damaged("the attributes cannot be read");
+  return found > 0;
 }
 
 Result<Handle> GroupReader::scalar_attribute(const char* attribute) const {
-  if (!has_attribute(attribute)) return damaged(std::string("no attribute ") + attribute);
+  if (const Result<bool> found = has_attribute(attribute); !found || !*found)
+    return found ? damaged(std::string("no attribute ") + attribute) : found.issue();
   Handle id(H5Aopen(id_.get(), attribute, H5P_DEFAULT));
   const Handle space(id ? H5Aget_space(id.get()) : H5I_INVALID_HID);
   if (!space || H5Sget_simple_extent_type(space.get()) != H5S_SCALAR)
@@ -126,9 +129,9 @@ Result<double> GroupReader::real(const char* attribute) const {
 }
 
 Result<double> GroupReader::real_or(const char* attribute, double otherwise) const {
-  const htri_t found = H5Aexists(id_.get(), attribute);
-  if (found < 0) return damaged("the attributes cannot be read");
-  return found > 0 ? real(attribute) : Result<double>(otherwise);
+  const Result<bool> found = has_attribute(attribute);
+  if (!found) return found.issue();
+  return *found ? real(attribute) : Result<double>(otherwise);
 }
 
 Result<std::int64_t> GroupReader::integer(const char* attribute) const {
@@ -140,6 +143,12 @@ Result<std::int64_t> GroupReader::integer(const char* attribute) const {
       H5Aread(opened->get(), H5T_STD_I64LE, &value) < 0)
     return damaged(std::string("attribute ") + attribute + " is not an int64");
   return value;
+}
+
+Result<std::int64_t> GroupReader::integer_or(const char* attribute, std::int64_t otherwise) const {
+  const Result<bool> found = has_attribute(attribute);
+  if (!found) return found.issue();
+  return *found ? integer(attribute) : Result<std::int64_t>(otherwise);
 }
 
 }  // namespace souple::storage

@@ -31,7 +31,8 @@ class GroupReader {
   /// `otherwise` where there is no such attribute.
   Result<double> real_or(const char* attribute, double otherwise) const;
   Result<std::int64_t> integer(const char* attribute) const;
-  bool has_attribute(const char* attribute) const;
+  Result<std::int64_t> integer_or(const char* attribute, std::int64_t otherwise) const;
+  Result<bool> has_attribute(const char* attribute) const;
 
  private:
   GroupReader(Handle id, ByteDevice& device, std::string where)

@@ -119,6 +119,7 @@ std::optional<Dataspace> parse_dataspace(Bytes body) {
 std::optional<std::uint64_t> parse_datatype(Bytes body) {
   // Class and version, three bytes of bits, size, properties.
   using Encoding = std::array<unsigned char, 20>;
+  constexpr Encoding uint8{0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 8, 0};
   constexpr Encoding int32{0, 0x08, 0, 0, 4, 0, 0, 0, 0, 0, 32, 0};
   constexpr Encoding int64{0, 0x08, 0, 0, 8, 0, 0, 0, 0, 0, 64, 0};
   constexpr Encoding float32{1, 0x20, 31, 0, 4, 0, 0, 0, 0, 0, 32, 0, 23, 8, 0, 23, 127, 0, 0, 0};
@@ -129,6 +130,7 @@ std::optional<std::uint64_t> parse_datatype(Bytes body) {
   const auto matches = [&](const Encoding& expected, std::size_t length) {
     return body.size() == length && std::memcmp(body.data() + 1, expected.data() + 1, length - 1) == 0;
   };
+  if (kind == 0 && matches(uint8, 12)) return 1;
   if (kind == 0 && matches(int32, 12)) return 4;
   if (kind == 0 && matches(int64, 12)) return 8;
   if (kind == 1 && matches(float32, 20)) return 4;

@@ -44,7 +44,8 @@ struct ChunkLayout {
 };
 
 std::optional<Dataspace> parse_dataspace(std::span<const std::byte> body);
-/// Bytes of a scalar: int32, int64, float32, float64 or fixed-length text; nothing else is well-formed.
+/// Bytes of a scalar: uint8, int32, int64, float32, float64 or fixed-length text; nothing else is
+/// well-formed.
 std::optional<std::uint64_t> parse_datatype(std::span<const std::byte> body);
 std::optional<ChunkLayout> parse_layout(std::span<const std::byte> body);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Names in the file, in one place for reader and writer. Version 1.1.
+// Names in the file, in one place for reader and writer. Version 1.2.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -53,7 +53,7 @@ inline constexpr const char* tet_region = "tet_region";      // [t] int32; absen
 // constraints/<name>: nodes
 inline constexpr const char* constraints = "constraints";
 
-// compliance/<name>: nodes, payload [block, scalar], and these attributes
+// compliance/<name>: nodes, payload and these attributes. Dense-tiled: payload [block, scalar].
 inline constexpr const char* compliance = "compliance";
 inline constexpr const char* payload = "payload";
 inline constexpr const char* kind = "kind";
@@ -72,14 +72,39 @@ inline constexpr const char* node_count = "node_count";
 inline constexpr const char* tile_nodes = "tile_nodes";
 inline constexpr const char* block_count = "block_count";
 inline constexpr const char* block_scalars = "block_scalars";
+// New in 1.2; where an attribute is missing: "scaled-spectral", 0, 0.
+inline constexpr const char* error_norm = "error_norm";
+inline constexpr const char* shift = "shift";
+inline constexpr const char* coarsening = "coarsening";
+// Of a coarsened variant: one row per entry of `nodes`.
+inline constexpr const char* prolongation_rows = "prolongation_rows";        // [m, 4] int32
+inline constexpr const char* prolongation_weights = "prolongation_weights";  // [m, 4] float64
+// Hierarchical: payload [bytes] uint8, attribute depth, and the members of HierarchicalIndex; lists
+// without entries are absent.
+inline constexpr const char* depth = "depth";
+inline constexpr const char* order = "order";                // [n] int32
+inline constexpr const char* scale = "scale";                // [n, 6] float32
+inline constexpr const char* leaf_step = "leaf_step";        // [leaves] float32
+inline constexpr const char* leaf_planes = "leaf_planes";    // [leaves] uint8
+inline constexpr const char* rank = "rank";                  // [leaves - 1] int32
+inline constexpr const char* step = "step";                  // [leaves - 1] float32
+inline constexpr const char* singular = "singular";          // [terms] float32
+inline constexpr const char* planes = "planes";              // [terms] uint8
+inline constexpr const char* record_begin = "record_begin";  // [leaves + 1] int64
 
 // Texts of the enumerations, by their value.
 inline constexpr std::array<std::string_view, 2> kinds{"dynamic", "static"};
-inline constexpr std::array<std::string_view, 1> representations{"dense-tiled"};
+inline constexpr std::array<std::string_view, 2> representations{"dense-tiled", "hierarchical"};
 inline constexpr std::array<std::string_view, 2> scalars{"float32", "float64"};
+inline constexpr std::array<std::string_view, 3> error_norms{"scaled-spectral", "frobenius",
+                                                             "worst-column"};
 
 inline constexpr std::uint64_t smallest_chunk_bytes = 64 << 10;  // smaller pieces are put together
 inline constexpr std::uint64_t largest_chunk_bytes = 1 << 20;
+// Of records, which are entropy-coded and read one by one: small chunks cost next to nothing and keep
+// what is read beside the record small. More chunks than this only of the largest size.
+inline constexpr std::uint64_t smallest_record_chunk_bytes = 16 << 10;
+inline constexpr std::uint64_t usual_record_chunk_count = 1024;
 
 constexpr std::size_t bytes_of(ScalarType type) { return type == ScalarType::float32 ? 4 : 8; }
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "formats/core/mesh.hpp"
 
@@ -18,10 +19,18 @@ struct RowType {
 };
 
 inline RowType row_type(const Index*) { return {H5T_STD_I32LE, 4, 0}; }
+inline RowType row_type(const std::int64_t*) { return {H5T_STD_I64LE, 8, 0}; }
+inline RowType row_type(const std::uint8_t*) { return {H5T_STD_U8LE, 1, 0}; }
+inline RowType row_type(const std::byte*) { return {H5T_STD_U8LE, 1, 0}; }
+inline RowType row_type(const float*) { return {H5T_IEEE_F32LE, 4, 0}; }
 inline RowType row_type(const double*) { return {H5T_IEEE_F64LE, 8, 0}; }
 template <std::size_t N>
 RowType row_type(const std::array<Index, N>*) {
   return {H5T_STD_I32LE, 4, N};
+}
+template <std::size_t N>
+RowType row_type(const std::array<float, N>*) {
+  return {H5T_IEEE_F32LE, 4, N};
 }
 template <std::size_t N>
 RowType row_type(const std::array<double, N>*) {

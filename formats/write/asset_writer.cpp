@@ -108,6 +108,41 @@ void write_header(const GroupWriter& group, const ComplianceHeader& header) {
   group.integer(layout::tile_nodes, header.tile_nodes);
   group.integer(layout::block_count, header.block_count);
   group.integer(layout::block_scalars, header.block_scalars);
+  group.text(layout::error_norm, text_of(layout::error_norms, header.error_norm));
+  group.real(layout::shift, header.shift);
+  group.integer(layout::coarsening, header.coarsening);
+}
+
+void write_prolongation(const GroupWriter& group, const std::vector<RowProlongation>& prolongation) {
+  std::vector<std::array<Index, 4>> rows;
+  std::vector<std::array<double, 4>> weights;
+  for (const RowProlongation& row : prolongation) {
+    rows.push_back(row.row);
+    weights.push_back(row.weight);
+  }
+  group.rows_if_any(layout::prolongation_rows, rows);
+  group.rows_if_any(layout::prolongation_weights, weights);
+}
+
+void write_hierarchy(const GroupWriter& group, const HierarchicalIndex& index) {
+  group.integer(layout::depth, index.depth);
+  group.rows_if_any(layout::order, index.order);
+  group.rows_if_any(layout::scale, index.scale);
+  group.rows_if_any(layout::leaf_step, index.leaf_step);
+  group.rows_if_any(layout::leaf_planes, index.leaf_planes);
+  group.rows_if_any(layout::rank, index.rank);
+  group.rows_if_any(layout::step, index.step);
+  group.rows_if_any(layout::singular, index.singular);
+  group.rows_if_any(layout::planes, index.planes);
+  group.rows_if_any(layout::record_begin, index.record_begin);
+}
+
+void write_tiles(const GroupWriter& group, const ComplianceVariant& variant) {
+  const ComplianceHeader& header = variant.header;
+  const hid_t scalar = header.scalar == ScalarType::float32 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+  const storage::RowType row{scalar, layout::bytes_of(header.scalar),
+                             static_cast<std::size_t>(header.block_scalars)};
+  group.bulk(layout::payload, row, static_cast<std::uint64_t>(header.block_count), variant.payload);
 }
 
 void write_compliance(const GroupWriter& parent, const ComplianceVariant& variant) {
@@ -115,10 +150,11 @@ void write_compliance(const GroupWriter& parent, const ComplianceVariant& varian
   const GroupWriter group = parent.group(header.name);
   write_header(group, header);
   group.rows(layout::nodes, variant.nodes);
-  const hid_t scalar = header.scalar == ScalarType::float32 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
-  const storage::RowType row{scalar, layout::bytes_of(header.scalar),
-                             static_cast<std::size_t>(header.block_scalars)};
-  group.bulk(layout::payload, row, static_cast<std::uint64_t>(header.block_count), variant.payload);
+  write_prolongation(group, variant.prolongation);
+  if (header.representation == ComplianceRepresentation::dense_tiled)
+    return write_tiles(group, variant);
+  write_hierarchy(group, variant.hierarchy);
+  group.records(layout::payload, variant.payload);
 }
 
 /// Parts by name, so that their order in memory does not change the file.

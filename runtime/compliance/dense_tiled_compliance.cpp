@@ -19,32 +19,55 @@ const Scalar* DenseTiledCompliance<Scalar>::tile(std::int64_t i, std::int64_t j)
 template <class Scalar>
 bool DenseTiledCompliance<Scalar>::ready(std::span<const Index> rows) const {
   const std::int64_t tiles = layout_.tile_count();
+  bool all = true;
   for (const Index row : rows) {
     const std::int64_t t = row / layout_.tile_nodes;
-    for (std::int64_t other = 0; other < tiles; ++other)
-      if (!source_->ready(TileLayout::block_index(std::max(t, other), std::min(t, other))))
-        return false;
+    for (std::int64_t other = 0; other < tiles; ++other) {
+      const auto block = std::size_t(TileLayout::block_index(std::max(t, other), std::min(t, other)));
+      if (source_->ready(block)) continue;
+      source_->request(block);
+      all = false;
+    }
   }
-  return true;
+  return all;
+}
+
+// Only the lower triangle is stored: above it, the transpose.
+template <class Scalar>
+Mat3 DenseTiledCompliance<Scalar>::node_block(Index row, Index column) const {
+  using Block = Eigen::Matrix<Scalar, 3, 3, Eigen::RowMajor>;
+  const Index t = layout_.tile_nodes;
+  const Index low = std::max(row, column), high = std::min(row, column);
+  const Eigen::Index stride = 3 * Eigen::Index(t);
+  const Eigen::Map<const Block, 0, Eigen::OuterStride<>> block(
+      tile(low / t, high / t) + 3 * (low % t) * stride + 3 * (high % t), Eigen::OuterStride<>(stride));
+  return row < column ? Mat3(block.transpose().template cast<double>())
+                      : Mat3(block.template cast<double>());
 }
 
 template <class Scalar>
 void DenseTiledCompliance<Scalar>::gather(std::span<const Index> rows, std::span<double> out) const {
-  const std::size_t stride = 3 * std::size_t(layout_.tile_nodes);
   const std::size_t leading = 3 * rows.size();
   for (std::size_t a = 0; a < rows.size(); ++a)
     for (std::size_t b = 0; b <= a; ++b) {
-      const Index row = std::max(rows[a], rows[b]), col = std::min(rows[a], rows[b]);
-      const bool swapped = rows[a] < rows[b];
-      const Scalar* block = tile(row / layout_.tile_nodes, col / layout_.tile_nodes) +
-                            3 * std::size_t(row % layout_.tile_nodes) * stride +
-                            3 * std::size_t(col % layout_.tile_nodes);
+      const Mat3 block = node_block(rows[a], rows[b]);
       for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-          const double value = swapped ? block[j * stride + i] : block[i * stride + j];
-          out[(3 * a + i) * leading + 3 * b + j] = value;
-          out[(3 * b + j) * leading + 3 * a + i] = value;
-        }
+        for (std::size_t j = 0; j < 3; ++j)
+          out[(3 * a + i) * leading + 3 * b + j] = out[(3 * b + j) * leading + 3 * a + i] =
+              block(Eigen::Index(i), Eigen::Index(j));
+    }
+}
+
+template <class Scalar>
+void DenseTiledCompliance<Scalar>::gather_block(std::span<const Index> rows,
+                                                std::span<const Index> columns, float* out,
+                                                std::size_t stride, ComplianceWork&) const {
+  for (std::size_t a = 0; a < rows.size(); ++a)
+    for (std::size_t b = 0; b < columns.size(); ++b) {
+      const Mat3 block = node_block(rows[a], columns[b]);
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j)
+          out[(3 * a + i) * stride + 3 * b + j] = float(block(Eigen::Index(i), Eigen::Index(j)));
     }
 }
 
@@ -71,7 +94,7 @@ void add_columns(const Scalar* columns, std::size_t stride, const double* f, std
 
 template <class Scalar>
 void DenseTiledCompliance<Scalar>::apply(std::span<const Index> rows, std::span<const double> force,
-                                         std::span<double> displacement) const {
+                                         std::span<double> displacement, ComplianceWork&) const {
   std::ranges::fill(displacement, 0.0);
   const std::int64_t tile_nodes = layout_.tile_nodes;
   const std::size_t stride = 3 * std::size_t(tile_nodes);

@@ -25,12 +25,15 @@ class DenseTiledCompliance final : public RestCompliance {
   Index row_count() const override { return layout_.node_count; }
   bool ready(std::span<const Index> rows) const override;
   void gather(std::span<const Index> rows, std::span<double> out) const override;
-  void apply(std::span<const Index> rows, std::span<const double> force,
-             std::span<double> displacement) const override;
+  void gather_block(std::span<const Index> rows, std::span<const Index> columns, float* out,
+                    std::size_t stride, ComplianceWork& work) const override;
+  void apply(std::span<const Index> rows, std::span<const double> force, std::span<double> displacement,
+             ComplianceWork& work) const override;
   std::size_t resident_bytes() const override { return source_->resident_bytes(); }
 
  private:
   const Scalar* tile(std::int64_t i, std::int64_t j) const;
+  Mat3 node_block(Index row, Index column) const;
 
   TileLayout layout_;
   std::unique_ptr<BlockSource> source_;

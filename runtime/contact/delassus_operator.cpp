@@ -6,10 +6,6 @@
 namespace souple {
 namespace {
 
-using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-using Strided = Eigen::Map<RowMajor3, 0, Eigen::OuterStride<>>;
-using ConstStrided = Eigen::Map<const RowMajor3, 0, Eigen::OuterStride<>>;
-
 // The touches of one contact: [first, last).
 std::size_t group_end(std::span<const Touch> touches, std::size_t first) {
   std::size_t last = first + 1;
@@ -17,64 +13,125 @@ std::size_t group_end(std::span<const Touch> touches, std::size_t first) {
   return last;
 }
 
-// rows (3 x 3c) = F^T sum of weight C(node, :): the contact's Jacobian times the compliance.
-void jacobian_times_compliance(std::span<const Touch> group, const Mat3& frame,
-                               std::span<const double> compliance, std::size_t size, double* rows) {
-  std::fill(rows, rows + 3 * size, 0.0);
-  for (const Touch& touch : group)
-    for (int k = 0; k < 3; ++k) {
-      const double* source = compliance.data() + (3 * std::size_t(touch.node) + std::size_t(k)) * size;
-      const double f0 = touch.weight * frame(k, 0), f1 = touch.weight * frame(k, 1),
-                   f2 = touch.weight * frame(k, 2);
-      for (std::size_t c = 0; c < size; ++c) {
-        rows[c] += f0 * source[c];
-        rows[size + c] += f1 * source[c];
-        rows[2 * size + c] += f2 * source[c];
-      }
-    }
+// G = weight F^T R of every touch, transposed and padded: entry (i, j) at 12 t + 4 j + i.
+template <class Scalar>
+void contact_jacobians(const ContactGeometry& body, std::vector<Scalar>& jacobian) {
+  jacobian.assign(12 * body.touches.size(), Scalar(0));
+  for (std::size_t t = 0; t < body.touches.size(); ++t) {
+    const Touch& touch = body.touches[t];
+    const Mat3 g = touch.weight * (body.frames[std::size_t(touch.contact)].transpose() *
+                                   body.rotations[std::size_t(touch.node)]);
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) jacobian[12 * t + std::size_t(4 * j + i)] = Scalar(g(i, j));
+  }
+}
+
+// rows (3 x size) += or = g times three rows of C0: contiguous, so that it vectorises.
+template <bool add, class Scalar>
+void multiply_rows(const Scalar* g, const Scalar* source, std::size_t stride, std::size_t size,
+                   Scalar* rows) {
+  const Scalar* __restrict s0 = source, * __restrict s1 = source + stride, * __restrict s2 = source + 2 * stride;
+  for (std::size_t i = 0; i < 3; ++i) {
+    Scalar* __restrict row = rows + i * size;
+    const Scalar a = g[i], b = g[4 + i], c = g[8 + i];
+    for (std::size_t k = 0; k < size; ++k)
+      row[k] = (add ? row[k] : Scalar(0)) + (a * s0[k] + b * s1[k] + c * s2[k]);
+  }
+}
+
+// sum (3 x 4, the last column padding) += rows(:, three columns) g^T.
+template <class Scalar>
+void add_block(const Scalar* rows, std::size_t size, const Scalar* g, Scalar (&sum)[12]) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Scalar *r = rows + i * size, a = r[0], b = r[1], c = r[2];
+    for (std::size_t q = 0; q < 4; ++q) sum[4 * i + q] += a * g[q] + b * g[4 + q] + c * g[8 + q];
+  }
+}
+
+void add_scaled_block(const auto& block, double factor, double* target, std::size_t stride) {
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) target[i * stride + j] += factor * double(block[4 * i + j]);
 }
 
 }  // namespace
 
-void warp_compliance(std::span<const Mat3> rotations, std::span<double> compliance) {
-  const std::size_t count = rotations.size(), size = 3 * count;
-  for (std::size_t a = 0; a < count; ++a)
-    for (std::size_t b = 0; b <= a; ++b) {
-      Strided block(compliance.data() + 3 * a * size + 3 * b, Eigen::OuterStride<>(Eigen::Index(size)));
-      const Mat3 turned = rotations[a] * block * rotations[b].transpose();
-      block = turned;
-      if (a != b)
-        Strided(compliance.data() + 3 * b * size + 3 * a, Eigen::OuterStride<>(Eigen::Index(size))) =
-            turned.transpose();
-    }
-}
-
-void add_to_delassus(std::span<const Touch> touches, std::span<const Mat3> frames,
-                     std::span<const double> compliance, std::size_t contact_count,
-                     std::span<double> delassus, std::span<double> row_work) {
-  const std::size_t stride = 3 * contact_count, size = row_work.size() / 3;
+template <class Scalar>
+void add_to_delassus(const ContactGeometry& body, const NodeCompliance<Scalar>& compliance,
+                     double factor, std::span<double> delassus, DelassusWork<Scalar>& work) {
+  const std::span<const Touch> touches = body.touches;
+  const std::size_t stride = 3 * body.frames.size(), size = 3 * compliance.slot.size();
+  contact_jacobians(body, work.jacobian);
+  work.rows.resize(3 * size);
+  const auto slot = [&](std::size_t t) {
+    return 3 * std::size_t(compliance.slot[std::size_t(touches[t].node)]);
+  };
   for (std::size_t i = 0, i_end; i < touches.size(); i = i_end) {
     i_end = group_end(touches, i);
-    const auto row = std::size_t(touches[i].contact);
-    jacobian_times_compliance(touches.subspan(i, i_end - i), frames[row], compliance, size,
-                              row_work.data());
+    for (std::size_t t = i; t < i_end; ++t) {
+      const Scalar* source = compliance.values + slot(t) * compliance.stride;
+      if (t == i)
+        multiply_rows<false>(&work.jacobian[12 * t], source, compliance.stride, size, work.rows.data());
+      else
+        multiply_rows<true>(&work.jacobian[12 * t], source, compliance.stride, size, work.rows.data());
+    }
+    double* row = delassus.data() + 3 * std::size_t(touches[i].contact) * stride;
     for (std::size_t j = 0, j_end; j <= i; j = j_end) {
       j_end = group_end(touches, j);
-      const auto col = std::size_t(touches[j].contact);
-      Mat3 sum = Mat3::Zero();
-      for (std::size_t q = j; q < j_end; ++q)
-        sum += touches[q].weight * ConstStrided(row_work.data() + 3 * std::size_t(touches[q].node),
-                                                Eigen::OuterStride<>(Eigen::Index(size)));
-      Strided(delassus.data() + 3 * row * stride + 3 * col, Eigen::OuterStride<>(Eigen::Index(stride)))
-          .noalias() += sum * frames[col];
+      Scalar sum[12] = {};
+      for (std::size_t t = j; t < j_end; ++t)
+        add_block(work.rows.data() + slot(t), size, &work.jacobian[12 * t], sum);
+      add_scaled_block(sum, factor, row + 3 * std::size_t(touches[j].contact), stride);
     }
   }
 }
 
+template void add_to_delassus(const ContactGeometry&, const NodeCompliance<float>&, double,
+                              std::span<double>, DelassusWork<float>&);
+template void add_to_delassus(const ContactGeometry&, const NodeCompliance<double>&, double,
+                              std::span<double>, DelassusWork<double>&);
+
+// C_rigid between a and b is [I, A] diag(1/m, J^-1) [I, B]^T with A the cross product with a - centre.
+void add_rigid_to_delassus(const ContactGeometry& body, const RigidModes& modes,
+                           std::span<const Vec3> points, double factor, std::span<double> delassus,
+                           DelassusWork<double>& work) {
+  using Rows = Eigen::Map<Eigen::Matrix<double, 3, 6, Eigen::RowMajor>>;
+  const std::size_t stride = 3 * body.frames.size();
+  contact_jacobians(body, work.jacobian);
+  work.rows.assign(18 * body.frames.size(), 0.0);
+  const auto motions = [&](Index contact) { return Rows(&work.rows[18 * std::size_t(contact)]); };
+  for (std::size_t t = 0; t < body.touches.size(); ++t) {
+    const Eigen::Map<const Mat3, 0, Eigen::OuterStride<4>> g(&work.jacobian[12 * t]);
+    auto rows = motions(body.touches[t].contact);
+    rows.leftCols<3>() += g;
+    const Vec3 arm = points[std::size_t(body.touches[t].node)] - modes.centre();
+    for (int i = 0; i < 3; ++i) rows.block<1, 3>(i, 3) += g.row(i).cross(arm.transpose());
+  }
+  for (std::size_t i = 0, i_end; i < body.touches.size(); i = i_end) {
+    i_end = group_end(body.touches, i);
+    const auto left = motions(body.touches[i].contact);
+    double* row = delassus.data() + 3 * std::size_t(body.touches[i].contact) * stride;
+    for (std::size_t j = 0, j_end; j <= i; j = j_end) {
+      j_end = group_end(body.touches, j);
+      const auto right = motions(body.touches[j].contact);
+      Eigen::Matrix<double, 3, 4, Eigen::RowMajor> block;
+      block.leftCols<3>() =
+          modes.inverse_mass() * left.leftCols<3>() * right.leftCols<3>().transpose() +
+          left.rightCols<3>() * modes.inverse_inertia() * right.rightCols<3>().transpose();
+      add_scaled_block(block.reshaped<Eigen::RowMajor>(), factor,
+                       row + 3 * std::size_t(body.touches[j].contact), stride);
+    }
+  }
+}
+
+// By tiles, so that neither side strides through memory.
 void mirror_delassus(std::size_t contact_count, std::span<double> delassus) {
+  constexpr std::size_t tile = 16;
   const std::size_t size = 3 * contact_count;
-  for (std::size_t row = 0; row < size; ++row)
-    for (std::size_t col = 0; col < row; ++col) delassus[col * size + row] = delassus[row * size + col];
+  for (std::size_t row0 = 0; row0 < size; row0 += tile)
+    for (std::size_t col0 = 0; col0 <= row0; col0 += tile)
+      for (std::size_t row = row0; row < std::min(row0 + tile, size); ++row)
+        for (std::size_t col = col0; col < std::min(col0 + tile, row); ++col)
+          delassus[col * size + row] = delassus[row * size + col];
 }
 
 }  // namespace souple

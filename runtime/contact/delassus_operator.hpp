@@ -2,7 +2,9 @@
 #pragma once
 #include <cstddef>
 #include <span>
+#include <vector>
 
+#include "runtime/compliance/rigid_modes.hpp"
 #include "runtime/fem/linear_algebra.hpp"
 
 namespace souple {
@@ -14,16 +16,41 @@ struct Touch {
   double weight = 0;  ///< barycentric; negative on side B
 };
 
-/// C_ab <- r_a C_ab r_b^T in place: from the rest frame to the world (METHOD 4.2). `compliance` is
-/// (3c) x (3c), row-major; one rotation per contact node.
-void warp_compliance(std::span<const Mat3> rotations, std::span<double> compliance);
+/// C between the contact nodes of a body: block (a, b) is row-major at values + 3 slot[a] stride +
+/// 3 slot[b]. Both triangles are there.
+template <class Scalar>
+struct NodeCompliance {
+  const Scalar* values = nullptr;
+  std::size_t stride = 0;
+  std::span<const Index> slot;  ///< of every contact node, 0 <= slot < their count
+};
 
-/// Adds H C H^T of one body to the lower block triangle of the Delassus operator W (3m x 3m,
-/// row-major). `touches` ascend by contact; `frames` holds the frame of every contact, columns n, t, s;
-/// `compliance` is C on the body's contact nodes in world coordinates; `row_work` has 9c entries.
-void add_to_delassus(std::span<const Touch> touches, std::span<const Mat3> frames,
-                     std::span<const double> compliance, std::size_t contact_count,
-                     std::span<double> delassus, std::span<double> row_work);
+/// The contacts of one body. `frames` holds the frame of every contact, columns n, t, s.
+struct ContactGeometry {
+  std::span<const Touch> touches;   ///< ascend by contact
+  std::span<const Mat3> frames;     ///< of every contact of the problem
+  std::span<const Mat3> rotations;  ///< of every contact node: R in C = R C0 R^T
+};
+
+/// Scratch memory; nothing is allocated once it has grown.
+template <class Scalar>
+struct DelassusWork {
+  std::vector<Scalar> jacobian;  ///< weight frame^T rotation of every touch, padded
+  std::vector<Scalar> rows;      ///< three rows of G C0
+};
+
+/// Adds factor H R C0 R^T H^T of one body to the lower block triangle of the Delassus operator W
+/// (3m x 3m, row-major): compliance warping (METHOD 4.2) in one pass over C0. W is symmetric to the bit
+/// after mirror_delassus, and does not depend on the slots.
+template <class Scalar>
+void add_to_delassus(const ContactGeometry& body, const NodeCompliance<Scalar>& compliance,
+                     double factor, std::span<double> delassus, DelassusWork<Scalar>& work);
+
+/// Adds factor H R C_rigid R^T H^T, C_rigid the rigid motions' part between contact nodes at the rest
+/// positions `points`, to the same triangle.
+void add_rigid_to_delassus(const ContactGeometry& body, const RigidModes& modes,
+                           std::span<const Vec3> points, double factor, std::span<double> delassus,
+                           DelassusWork<double>& work);
 
 /// Copies the lower triangle to the upper one.
 void mirror_delassus(std::size_t contact_count, std::span<double> delassus);

@@ -3,21 +3,47 @@
 
 #include <algorithm>
 
+#include "runtime/load/streaming_block_source.hpp"
 #include "runtime/world/soft_body_asset.hpp"
 
 namespace souple {
 namespace {
 
-std::size_t scalar_bytes(ScalarType scalar) { return scalar == ScalarType::float32 ? 4 : 8; }
+using Loaded = Result<std::shared_ptr<const SoftBodyAsset>>;
+using LoadedVariant = Result<SoftBodyContent::Variant>;
+using LoadVariant = std::function<LoadedVariant(const std::string& name)>;
 
-Result<SoftBodyContent::Variant> load_variant(AssetReader& reader, const std::string& name) {
+std::size_t block_bytes(const ComplianceHeader& header) {
+  return std::size_t(header.block_scalars) * (header.scalar == ScalarType::float32 ? 4 : 8);
+}
+
+SoftBodyContent::Variant with_source(ComplianceVariant stored, std::unique_ptr<BlockSource> source) {
+  return {std::move(stored.header), std::move(stored.nodes), std::move(source),
+          std::move(stored.prolongation), std::move(stored.hierarchy)};
+}
+
+LoadedVariant load_variant(AssetReader& reader, const std::string& name) {
   auto stored = reader.read_compliance(name);
   if (!stored) return stored.issue();
-  const std::size_t block_bytes =
-      std::size_t(stored->header.block_scalars) * scalar_bytes(stored->header.scalar);
-  return SoftBodyContent::Variant{
-      std::move(stored->header), std::move(stored->nodes),
-      std::make_unique<MemoryBlockSource>(std::move(stored->payload), block_bytes)};
+  auto source = stored->header.representation == ComplianceRepresentation::hierarchical
+                    ? std::make_unique<MemoryBlockSource>(std::move(stored->payload),
+                                                          stored->hierarchy.record_begin)
+                    : std::make_unique<MemoryBlockSource>(std::move(stored->payload),
+                                                          block_bytes(stored->header));
+  return with_source(std::move(*stored), std::move(source));
+}
+
+LoadedVariant stream_variant(const std::shared_ptr<SharedAssetReader>& asset, const std::string& name,
+                             const LoadOptions& options) {
+  const auto header = asset->reader.read_compliance_header(name);
+  if (!header) return header.issue();
+  if (header->representation != ComplianceRepresentation::hierarchical)
+    return load_variant(asset->reader, name);
+  auto stored = asset->reader.read_compliance_index(name);
+  if (!stored) return stored.issue();
+  auto source = StreamingBlockSource::create(asset, name, stored->hierarchy, options.streaming_failed);
+  if (!source) return source.issue();
+  return with_source(std::move(*stored), std::move(*source));
 }
 
 Status check_names(const AssetReader& reader, const std::vector<std::string>& names) {
@@ -27,10 +53,8 @@ Status check_names(const AssetReader& reader, const std::vector<std::string>& na
   return {};
 }
 
-}  // namespace
-
-Result<std::shared_ptr<const SoftBodyAsset>> load_soft_body(AssetReader& reader,
-                                                            const LoadOptions& options) {
+/// `load_one` reads one compliance.
+Loaded load(AssetReader& reader, const LoadOptions& options, const LoadVariant& load_one) {
   if (auto status = check_names(reader, options.compliances); !status) return status.issue();
   SoftBodyContent content;
   auto level = reader.read_level_mesh(reader.level_count() - 1);
@@ -53,18 +77,34 @@ Result<std::shared_ptr<const SoftBodyAsset>> load_soft_body(AssetReader& reader,
                      : options.compliances.empty() ? reader.compliance_names()
                                                    : options.compliances;
   for (const auto& name : names) {
-    auto variant = load_variant(reader, name);
+    auto variant = load_one(name);
     if (!variant) return variant.issue();
     content.compliances.push_back(std::move(*variant));
   }
   return SoftBodyAsset::create(std::move(content));
 }
 
-Result<std::shared_ptr<const SoftBodyAsset>> load_soft_body(const std::filesystem::path& file,
-                                                            const LoadOptions& options) {
+}  // namespace
+
+Loaded load_soft_body(AssetReader& reader, const LoadOptions& options) {
+  if (options.streaming)
+    return make_issue(IssueCode::unsupported_feature,
+                      "streaming from an asset that somebody else keeps open");
+  return load(reader, options, [&](const std::string& name) { return load_variant(reader, name); });
+}
+
+Loaded load_soft_body(AssetReader&& reader, const LoadOptions& options) {
+  const auto asset = std::make_shared<SharedAssetReader>(std::move(reader));
+  if (!options.streaming) return load_soft_body(asset->reader, options);
+  // No thread reads before somebody asks for a block, and nobody can before the body is there.
+  return load(asset->reader, options,
+              [&](const std::string& name) { return stream_variant(asset, name, options); });
+}
+
+Loaded load_soft_body(const std::filesystem::path& file, const LoadOptions& options) {
   auto reader = AssetReader::open(file);
   if (!reader) return reader.issue();
-  return load_soft_body(*reader, options);
+  return load_soft_body(std::move(*reader), options);
 }
 
 }  // namespace souple

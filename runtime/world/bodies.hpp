@@ -42,7 +42,9 @@ struct SoftBody {
 
   Eigen::VectorXd x, v;          ///< 3n, m and m/s
   Eigen::VectorXd motion, load;  ///< 3n: dx of this step, right side b
-  Eigen::VectorXd rest_frame, work;
+  Eigen::VectorXd rest_frame;
+  Eigen::VectorXd work;               ///< exact contact
+  std::vector<float> extension_work;  ///< warped contact
   std::vector<Mat3> element_rotations, node_rotations;
   BlockMatrix tangent;
   ConjugateGradient solver;

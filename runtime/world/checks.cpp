@@ -110,7 +110,7 @@ Status prepare_contact_method(SoftBody& body, const WorldSettings& settings,
                       body.name);
   }
   body.compliance_scale = body.compliance->header.stiffness_factor / stiffness_factor;
-  body.work.setZero(body.compliance->extension.work_size());
+  body.extension_work.resize(body.compliance->extension.work_size());
   return {};
 }
 

@@ -2,6 +2,7 @@
 #include "runtime/world/contact_space.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace souple {
 
@@ -26,19 +27,17 @@ void BodyContacts::collect(std::uint32_t index, const SoftBody& body,
   rows_.clear();
   if (body.compliance)
     for (const Index node : nodes_) rows_.push_back(body.compliance->row_of_node[node]);
-  compliance_.resize(9 * nodes_.size() * nodes_.size());
-  row_work_.resize(9 * nodes_.size());
 }
 
-bool BodyContacts::ready(const SoftBody& body) const { return body.compliance->rest->ready(rows_); }
+bool BodyContacts::ready(const SoftBody& body) const {
+  const RestCompliance& rest = *body.compliance->rest;
+  return rest.ready(rows_) && rest.ready_to_apply(rows_);
+}
 
-void BodyContacts::evaluate_warped(const SoftBody& body, double relaxation) {
+void BodyContacts::evaluate_warped(const SoftBody& body) {
   rotations_.clear();
   for (const Index node : nodes_) rotations_.push_back(body.node_rotations[node]);
-  body.compliance->rest->gather(rows_, compliance_);
-  for (double& value : compliance_) value *= body.compliance_scale;
-  if (relaxation != 1) relax_compliance(body, relaxation);
-  warp_compliance(rotations_, compliance_);
+  blocks_.update(*body.compliance->rest, rows_);
 }
 
 namespace {
@@ -53,21 +52,17 @@ double rigid_factor(const SoftBody& body) {
 }  // namespace
 
 // C <- r C - (r - 1) C_rigid: stays positive semi-definite, and keeps the momentum of a free body.
-void BodyContacts::relax_compliance(const SoftBody& body, double relaxation) {
-  for (double& value : compliance_) value *= relaxation;
-  if (!is_free(body)) return;
-  const auto rest = body.asset->model().rest_positions();
-  const std::size_t size = 3 * nodes_.size();
-  const double factor = (relaxation - 1) * rigid_factor(body);
-  for (std::size_t a = 0; a < nodes_.size(); ++a)
-    for (std::size_t b = 0; b < nodes_.size(); ++b) {
-      const Mat3 rigid = body.asset->rigid_modes().block(as_vec3(rest[std::size_t(nodes_[a])]),
-                                                         as_vec3(rest[std::size_t(nodes_[b])]));
-      for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j)
-          compliance_[(3 * a + i) * size + 3 * b + j] -=
-              factor * rigid(Eigen::Index(i), Eigen::Index(j));
-    }
+void BodyContacts::add_warped(const SoftBody& body, double relaxation, std::span<const Mat3> frames,
+                              std::span<double> delassus) {
+  const ContactGeometry geometry{touches_, frames, rotations_};
+  add_to_delassus(geometry, {blocks_.values(), blocks_.stride(), blocks_.slots()},
+                  relaxation * body.compliance_scale, delassus, warped_work_);
+  if (relaxation == 1 || !is_free(body)) return;
+  points_.clear();
+  for (const Index node : nodes_)
+    points_.emplace_back(as_vec3(body.asset->model().rest_positions()[std::size_t(node)]));
+  add_rigid_to_delassus(geometry, body.asset->rigid_modes(), points_,
+                        (1 - relaxation) * rigid_factor(body), delassus, exact_work_);
 }
 
 // The same operator on the correction of all nodes, in the rest frame.
@@ -77,10 +72,10 @@ void BodyContacts::relax_motion(SoftBody& body, double relaxation) const {
   const auto rest = body.asset->model().rest_positions();
   const RigidModes& modes = body.asset->rigid_modes();
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+  for (std::size_t k = 0; k < loaded_nodes_.size(); ++k) {
     const Eigen::Map<const Vec3> f(rest_force_.data() + 3 * k);
     force += f;
-    moment += (as_vec3(rest[std::size_t(nodes_[k])]) - modes.centre()).cross(f);
+    moment += (as_vec3(rest[std::size_t(loaded_nodes_[k])]) - modes.centre()).cross(f);
   }
   // rest_force_ already carries the compliance's scale.
   const double factor = (relaxation - 1) / body.compliance->header.mass_factor;
@@ -93,6 +88,7 @@ void BodyContacts::relax_motion(SoftBody& body, double relaxation) const {
 
 void BodyContacts::evaluate_exact(SoftBody& body) {
   const std::size_t size = 3 * nodes_.size();
+  compliance_.resize(size * size);
   const Eigen::Index unknowns = body.factor->size();
   auto column = body.work.head(unknowns), work = body.work.segment(unknowns, unknowns);
   const auto first_unknown = [&](Index node) {
@@ -108,9 +104,12 @@ void BodyContacts::evaluate_exact(SoftBody& body) {
   }
 }
 
-void BodyContacts::add_to(std::span<const Mat3> frames, std::size_t contact_count,
-                          std::span<double> delassus) {
-  add_to_delassus(touches_, frames, compliance_, contact_count, delassus, row_work_);
+void BodyContacts::add_exact(std::span<const Mat3> frames, std::span<double> delassus) {
+  rotations_.assign(nodes_.size(), Mat3::Identity());
+  identity_.resize(nodes_.size());
+  std::iota(identity_.begin(), identity_.end(), Index{0});
+  add_to_delassus<double>({touches_, frames, rotations_},
+                          {compliance_.data(), 3 * nodes_.size(), identity_}, 1, delassus, exact_work_);
 }
 
 void BodyContacts::add_forces(std::span<const Mat3> frames, std::span<const double> force,
@@ -131,24 +130,41 @@ void BodyContacts::add_motion(std::span<const Mat3> frames, const Eigen::VectorX
   }
 }
 
-void BodyContacts::correct_warped(SoftBody& body, double relaxation, std::span<const Mat3> frames,
-                                  std::span<const double> force) {
-  const BodyCompliance& compliance = *body.compliance;
-  rest_force_.assign(3 * nodes_.size(), 0.0);
+// Forces on the contact nodes in the rest frame; false if none carries any.
+bool BodyContacts::collect_rest_forces(const SoftBody& body, std::span<const Mat3> frames,
+                                       std::span<const double> force) {
+  node_force_.assign(3 * nodes_.size(), 0.0);
   for (const Touch& touch : touches_) {
     const auto i = std::size_t(touch.contact);
     const Vec3 f(force[3 * i], force[3 * i + 1], force[3 * i + 2]);
-    Eigen::Map<Vec3>(rest_force_.data() + 3 * touch.node) +=
+    Eigen::Map<Vec3>(node_force_.data() + 3 * touch.node) +=
         body.compliance_scale * touch.weight *
         (rotations_[std::size_t(touch.node)].transpose() * (frames[i] * f));
   }
+  loaded_nodes_.clear();
+  loaded_rows_.clear();
+  rest_force_.clear();
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const double* f = node_force_.data() + 3 * k;
+    if (f[0] == 0 && f[1] == 0 && f[2] == 0) continue;
+    loaded_nodes_.push_back(nodes_[k]);
+    loaded_rows_.push_back(rows_[k]);
+    rest_force_.insert(rest_force_.end(), f, f + 3);
+  }
+  return !loaded_rows_.empty();
+}
+
+void BodyContacts::correct_warped(SoftBody& body, double relaxation, std::span<const Mat3> frames,
+                                  std::span<const double> force) {
+  if (!collect_rest_forces(body, frames, force)) return;
+  const BodyCompliance& compliance = *body.compliance;
   rest_motion_.resize(3 * std::size_t(compliance.rest->row_count()));
-  compliance.rest->apply(rows_, rest_force_, rest_motion_);
+  compliance.rest->apply(loaded_rows_, rest_force_, rest_motion_, compliance_work_);
   body.rest_frame.setZero();
   for (std::size_t row = 0; row < compliance.nodes.size(); ++row)
     node_entry(body.rest_frame, compliance.nodes[row]) =
         Eigen::Map<const Vec3>(rest_motion_.data() + 3 * row);
-  compliance.extension.apply(body.rest_frame, body.work);
+  compliance.extension.apply(body.rest_frame, body.extension_work);
   if (relaxation != 1) relax_motion(body, relaxation);
   for (Index node = 0; node < body.asset->model().node_count(); ++node)
     node_entry(body.motion, node).noalias() +=

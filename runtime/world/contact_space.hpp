@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "runtime/compliance/contact_blocks.hpp"
 #include "runtime/contact/contact.hpp"
 #include "runtime/contact/delassus_operator.hpp"
 #include "runtime/world/bodies.hpp"
@@ -16,14 +17,19 @@ class BodyContacts {
   void collect(std::uint32_t index, const SoftBody& body, std::span<const Contact> contacts);
   bool empty() const { return touches_.empty(); }
 
-  /// Whether the compliance blocks of these nodes are in memory.
+  /// Whether the compliance blocks that these nodes and the correction need are in memory; asks for
+  /// them if not.
   bool ready(const SoftBody& body) const;
-  /// C on the contact nodes in world coordinates: warped from the rest shape (METHOD 4.2), all but the
-  /// rigid motions of a free body times `relaxation` ...
-  void evaluate_warped(const SoftBody& body, double relaxation);
-  /// ... or columns of the inverse of the present tangent, which has been factorised (eq. 4.16).
+  /// C on the contact nodes in the rest frame; blocks between nodes that touched before are kept ...
+  void evaluate_warped(const SoftBody& body);
+  /// ... or in world coordinates, columns of the inverse of the present tangent, which has been
+  /// factorised (eq. 4.16).
   void evaluate_exact(SoftBody& body);
-  void add_to(std::span<const Mat3> frames, std::size_t contact_count, std::span<double> delassus);
+  /// Adds H C H^T to W, warped to the world (METHOD 4.2): all but the rigid motions of a free body
+  /// times `relaxation`.
+  void add_warped(const SoftBody& body, double relaxation, std::span<const Mat3> frames,
+                  std::span<double> delassus);
+  void add_exact(std::span<const Mat3> frames, std::span<double> delassus);
 
   /// load += H^T f, f in contact frames (3 per contact).
   void add_forces(std::span<const Mat3> frames, std::span<const double> force,
@@ -37,13 +43,22 @@ class BodyContacts {
   void correct_exact(SoftBody& body, std::span<const Mat3> frames, std::span<const double> force) const;
 
  private:
-  void relax_compliance(const SoftBody& body, double relaxation);
+  bool collect_rest_forces(const SoftBody& body, std::span<const Mat3> frames,
+                           std::span<const double> force);
   void relax_motion(SoftBody& body, double relaxation) const;
 
   std::vector<Touch> touches_;
-  std::vector<Index> nodes_, rows_;
+  std::vector<Index> nodes_, rows_, identity_;
   std::vector<Mat3> rotations_;
-  std::vector<double> compliance_, row_work_, rest_force_, rest_motion_;
+  ContactBlocks blocks_;            ///< warped
+  std::vector<double> compliance_;  ///< exact
+  std::vector<Vec3> points_;        ///< rest positions of the nodes, m
+  DelassusWork<float> warped_work_;
+  DelassusWork<double> exact_work_;
+  // Of the correction: the nodes that carry force.
+  std::vector<Index> loaded_nodes_, loaded_rows_;
+  std::vector<double> node_force_, rest_force_, rest_motion_;
+  ComplianceWork compliance_work_;
 };
 
 }  // namespace souple

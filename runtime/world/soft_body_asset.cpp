@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/compliance/prolonged_compliance.hpp"
+
 namespace souple {
 namespace {
 
@@ -64,7 +66,9 @@ Status SoftBodyAsset::add_compliance(SoftBodyContent::Variant variant) {
   const std::string where = "compliance/" + variant.header.name;
   const Index node_count = model_.node_count();
   if (auto s = check_nodes(variant.nodes, node_count, IssueCode::asset_corrupt, where); !s) return s;
-  if (std::int64_t(variant.nodes.size()) != variant.header.node_count)
+  const bool prolonged = variant.header.coarsening != 0;
+  if (prolonged ? variant.prolongation.size() != variant.nodes.size()
+                : std::int64_t(variant.nodes.size()) != variant.header.node_count)
     return make_issue(IssueCode::asset_corrupt, "node list and header disagree", where);
   std::span<const Index> fixed;
   if (!variant.header.fixed_set.empty()) {
@@ -74,7 +78,9 @@ Status SoftBodyAsset::add_compliance(SoftBodyContent::Variant variant) {
                         "fixed set \"" + variant.header.fixed_set + "\" is missing", where);
     fixed = set->nodes;
   }
-  auto rest = open_rest_compliance(variant.header, std::move(variant.source));
+  auto rest = open_rest_compliance(variant.header, variant.hierarchy, std::move(variant.source));
+  if (rest && prolonged)
+    rest = ProlongedCompliance::create(std::move(*rest), std::move(variant.prolongation), where);
   if (!rest) return rest.issue();
   auto extension = RestExtension::create(model_, variant.header.mass_factor,
                                          variant.header.stiffness_factor, variant.nodes, fixed);

@@ -36,6 +36,8 @@ struct SoftBodyContent {
     ComplianceHeader header;
     std::vector<Index> nodes;
     std::unique_ptr<BlockSource> source;
+    std::vector<RowProlongation> prolongation{};  ///< one row per node if coarsened, else empty
+    HierarchicalIndex hierarchy{};                ///< of the hierarchical representation
   };
   std::vector<Variant> compliances;
 };

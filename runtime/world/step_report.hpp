@@ -19,6 +19,8 @@ struct StepReport {
   PhaseTimes times;
   std::size_t contact_count = 0;  ///< pairs that entered the contact problem
   std::size_t active_count = 0;   ///< of these, carrying force
+  /// Pairs left out because a body's compliance is limited to a region that they are outside of.
+  std::size_t uncovered_count = 0;
   int contact_sweeps = 0;
   double contact_residual = 0;       ///< natural map, rho_i = 1 / mean eigenvalue of W_ii, over ||f||
   int free_motion_iterations = 0;    ///< summed over bodies

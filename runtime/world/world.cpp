@@ -58,20 +58,15 @@ Result<StepReport> World::step() {
   State& s = *state_;
   StepReport report;
   PhaseClock clock;
-  s.place_rigid_bodies();
-  s.detect();
-  report.times.collision_s = clock.lap();
-  s.recall_forces();
-  if (auto status = s.free_motion(report); !status) return status.issue();
-  s.discard_distant();
-  report.times.free_motion_s = clock.lap();
-  if (!s.contacts.empty())
-    if (auto status = s.solve_contacts(report, clock); !status) return status.issue();
-  if (auto status = s.commit(); !status) return status.issue();
+  if (auto status = s.compute_step(report, clock); !status) {
+    s.forget_contacts();
+    return status.issue();
+  }
   const PhaseTimes& t = report.times;
   report.times.total_s = t.free_motion_s + t.collision_s + t.compliance_s + t.contact_solve_s +
                          t.correction_s + clock.lap();
   report.contact_count = s.contacts.size();
+  report.uncovered_count = s.uncovered;
   for (std::size_t i = 0; i < s.contacts.size(); ++i) report.active_count += s.force[3 * i] > 0;
   if (s.settings.measure_laws) s.measure(report);
   return report;

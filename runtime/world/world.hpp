@@ -45,7 +45,8 @@ class World {
   Result<BodyId> add_rigid_body(const RigidBodyDescription& description);
 
   /// One time step. Allocates nothing once the largest contact count has been seen. On an issue
-  /// (step_not_finite) the state is that before the step.
+  /// (step_not_finite, compliance_not_loaded) the state is that before the step; there are then no
+  /// contacts to be read.
   Result<StepReport> step();
 
   double time_s() const;

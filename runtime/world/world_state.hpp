@@ -51,8 +51,9 @@ struct World::State {
   std::vector<Vec3> last_forces, last_changes;
   std::vector<ContactKey> earlier_keys;  ///< scratch
   std::vector<Vec3> earlier_forces;
-  int growing_steps = 0;  ///< steps in a row in which the forces overshot more and more
-  double relaxation = 1;  ///< >= 1: multiplies the warped compliance, see choose_relaxation
+  std::size_t uncovered = 0;  ///< contacts of this step outside the region of a compliance
+  int growing_steps = 0;      ///< steps in a row in which the forces overshot more and more
+  double relaxation = 1;      ///< >= 1: multiplies the warped compliance, see choose_relaxation
 
   SoftBody& soft(std::uint32_t index) { return std::get<SoftBody>(*bodies[index]); }
   const SoftBody& soft(std::uint32_t index) const { return std::get<SoftBody>(*bodies[index]); }
@@ -60,11 +61,16 @@ struct World::State {
   bool exact() const { return settings.contact_method == ContactMethod::exact; }
   FrictionalContactProblem problem() const { return {contacts.size(), delassus, free_gap, friction}; }
 
+  Status compute_step(StepReport& report, PhaseClock& clock);
   void place_rigid_bodies();
   double alarm_distance(const SoftBody& soft_body, double other_speed) const;
   double rigid_speed(const RigidStep& step, const SoftBody& soft_body) const;
   void detect();
+  void leave_out_uncovered();
   void describe_contacts();
+  void ask_ahead() const;
+  Status check_ready() const;
+  void forget_contacts();
   void recall_forces();
   Status free_motion(StepReport& report);
   double normal_motion(std::size_t contact) const;

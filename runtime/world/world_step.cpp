@@ -23,6 +23,21 @@ std::optional<std::size_t> place_of(const ContactKey& key, const std::vector<Con
 
 }  // namespace
 
+Status World::State::compute_step(StepReport& report, PhaseClock& clock) {
+  place_rigid_bodies();
+  detect();
+  ask_ahead();
+  report.times.collision_s = clock.lap();
+  recall_forces();
+  if (auto status = free_motion(report); !status) return status;
+  discard_distant();
+  if (auto status = check_ready(); !status) return status;
+  report.times.free_motion_s = clock.lap();
+  if (!contacts.empty())
+    if (auto status = solve_contacts(report, clock); !status) return status;
+  return commit();
+}
+
 void World::State::place_rigid_bodies() {
   for (const auto index : rigid_indices)
     rigid_steps[index] = {&rigid(index), placement(rigid(index).pose_at(time)),
@@ -64,7 +79,45 @@ void World::State::detect() {
                          contacts);
   }
   std::ranges::sort(contacts, {}, &Contact::key);
+  leave_out_uncovered();
   describe_contacts();
+}
+
+// A compliance may be limited to the region of a body that is meant to be touched.
+void World::State::leave_out_uncovered() {
+  const auto is_covered = [&](const ContactSide& side) {
+    if (side.count == 0 || !soft(side.body).compliance) return true;
+    for (std::size_t k = 0; k < std::size_t(side.count); ++k)
+      if (!soft(side.body).is_fixed[std::size_t(side.node[k])] &&
+          soft(side.body).compliance->row_of_node[std::size_t(side.node[k])] < 0)
+        return false;
+    return true;
+  };
+  uncovered =
+      std::erase_if(contacts, [&](const Contact& c) { return !is_covered(c.a) || !is_covered(c.b); });
+}
+
+// All that may touch soon is asked for, so that a streaming source can fetch it in time.
+void World::State::ask_ahead() const {
+  if (exact()) return;
+  for (const auto index : soft_indices)
+    if (!body_contacts[index].empty()) (void)body_contacts[index].ready(soft(index));
+}
+
+Status World::State::check_ready() const {
+  if (exact()) return {};
+  for (const auto index : soft_indices)
+    if (!body_contacts[index].empty() && !body_contacts[index].ready(soft(index)))
+      return make_issue(IssueCode::compliance_not_loaded,
+                        "a body touches with nodes whose compliance has not been read yet",
+                        soft(index).name);
+  return {};
+}
+
+void World::State::forget_contacts() {
+  contacts.clear();
+  frames.clear();
+  for (auto* list : {&delassus, &free_gap, &friction, &force, &gap, &applied, &change}) list->clear();
 }
 
 // What follows from the list of contacts.
@@ -153,13 +206,11 @@ Status World::State::build_delassus() {
         return make_issue(IssueCode::step_not_finite, "the tangent is not positive definite",
                           soft(index).name);
       body.evaluate_exact(soft(index));
+      body.add_exact(frames, delassus);
     } else {
-      if (!body.ready(soft(index)))
-        return make_issue(IssueCode::step_not_finite,
-                          "compliance blocks of the contacts are not loaded", soft(index).name);
-      body.evaluate_warped(soft(index), relaxation);
+      body.evaluate_warped(soft(index));
+      body.add_warped(soft(index), relaxation, frames, delassus);
     }
-    body.add_to(frames, contacts.size(), delassus);
   }
   mirror_delassus(contacts.size(), delassus);
   return {};

@@ -2,7 +2,6 @@
 // Warped against exact compliance: the shape error of the drop scene, and W and forces of a turned
 // body.
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,34 +9,16 @@
 #include "runtime/contact/contact.hpp"
 #include "tests/bench/liver.hpp"
 #include "tests/bench/row.hpp"
+#include "tests/bench/shape_error.hpp"
 
 namespace {
 
 using namespace souple;
 using namespace souple::bench;
 
-using Points = Eigen::Matrix3Xd;
-
-Points as_matrix(std::span<const Point> points) {
-  return Eigen::Map<const Points>(points.front().data(), 3, Eigen::Index(points.size()));
-}
-
-// The rest shape moved rigidly as near to `x` as possible (Kabsch).
-Points best_rigid_fit(const Points& rest, const Points& x) {
-  const Vec3 rest_mean = rest.rowwise().mean(), mean = x.rowwise().mean();
-  const Mat3 covariance = (x.colwise() - mean) * (rest.colwise() - rest_mean).transpose();
-  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Mat3 flip = Mat3::Identity();
-  flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  const Mat3 rotation = svd.matrixU() * flip * svd.matrixV().transpose();
-  return (rotation * (rest.colwise() - rest_mean)).colwise() + mean;
-}
-
-// ||x - x_ref|| over ||x_ref - best rigid fit of the rest shape||.
 double shape_error(const DropScene& scene, const DropScene& reference, const Points& rest) {
-  const Points x = as_matrix(scene.world.positions(scene.body));
-  const Points x_ref = as_matrix(reference.world.positions(reference.body));
-  return (x - x_ref).norm() / (x_ref - best_rigid_fit(rest, x_ref)).norm();
+  return bench::shape_error(as_matrix(scene.world.positions(scene.body)),
+                            as_matrix(reference.world.positions(reference.body)), rest);
 }
 
 struct Variant {

@@ -41,15 +41,18 @@ void redirect(int descriptor, const std::string& file) {
 }
 
 /// Waits; interrupts and, at the time limit, ends the child.
-int wait_for(pid_t child, const RunOptions& options) {
+int wait_for(pid_t child, const RunOptions& options, const std::string& err) {
   using clock = std::chrono::steady_clock;
   const auto begin = clock::now();
   bool interrupted = false;
   int status = 0;
   while (::waitpid(child, &status, WNOHANG) == 0) {
     const double elapsed = std::chrono::duration<double>(clock::now() - begin).count();
-    if (options.signal_after_s > 0 && elapsed > options.signal_after_s && !interrupted) {
-      ::kill(child, SIGINT);
+    const bool late = options.signal_after_s > 0 && elapsed > options.signal_after_s;
+    const bool said = !interrupted && !options.signal_when.empty() &&
+                      read_file(err).find(options.signal_when) != std::string::npos;
+    if ((late || said) && !interrupted) {
+      ::kill(child, options.signal);
       interrupted = true;
     }
     if (elapsed > time_limit_s) ::kill(child, SIGKILL);
@@ -73,7 +76,7 @@ RunResult run_souple(const std::vector<std::string>& arguments, const RunOptions
   const std::string err = (talk / "err").string();
   const pid_t child = ::fork();
   if (child == 0) become_souple(arguments, options, out, err);
-  const int status = wait_for(child, options);
+  const int status = wait_for(child, options, err);
   RunResult result;
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
@@ -122,7 +125,7 @@ fs::path baked_liver() {
                            "[[fixed]]\nname = \"low\"\nplane = {point=[0,0,-0.03], normal=[0,0,1]}\n"
                            "[[fixed]]\nname = \"unused\"\nnearest = {point=[0,0,0], count=4}\n"
                            "[[compliance]]\nname = \"free\"\n"
-                           "[[compliance]]\nname = \"held\"\nfixed = \"low\"\n";
+                           "[[compliance]]\nname = \"held\"\nfixed = \"low\"\ntolerance = 0\n";
   const RunResult result = run_souple({"bake", "--recipe", recipe.string(), "-o", asset.string()});
   EXPECT_EQ(result.exit_code, 0) << result.err;
   fs::remove(recipe);

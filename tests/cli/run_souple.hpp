@@ -3,6 +3,7 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include <csignal>
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -14,8 +15,10 @@ namespace souple::test {
 struct RunOptions {
   std::filesystem::path folder;       ///< to run in; empty: the present one
   std::uint64_t file_size_limit = 0;  ///< bytes (RLIMIT_FSIZE); 0: none
-  double signal_after_s = 0;          ///< > 0: send SIGINT then
-  std::string standard_output;        ///< file for stdout, e.g. /dev/full; empty: captured
+  double signal_after_s = 0;          ///< > 0: send the signal then
+  std::string signal_when;            ///< not empty: send it as soon as stderr holds this text
+  int signal = SIGINT;
+  std::string standard_output;  ///< file for stdout, e.g. /dev/full; empty: captured
 };
 
 struct RunResult {
@@ -41,7 +44,8 @@ class SoupleCommand : public testing::Test {
 
 /// assets/surfaces of the repository.
 std::filesystem::path surface(const std::string& name);
-/// The liver at about 1000 tets, 0.2 m, free with h = 0.01 s and with the set "low" held; baked once
+/// The liver at about 1000 tets, 0.2 m, h = 0.01 s: "free", compressed, and "held" by the set "low",
+/// dense; baked once
 /// for a given executable and kept in the build folder.
 std::filesystem::path baked_liver();
 std::string read_file(const std::filesystem::path& file);

@@ -183,14 +183,18 @@ TEST_F(Bake, AFullDiskLeavesNothingAndKeepsTheOldAsset) {
   EXPECT_EQ(read_file(old), "old");
 }
 
-TEST_F(Bake, AnInterruptLeavesNothingAtAnyTime) {
-  const std::vector<std::string> whole{"a.souple"};
+TEST_F(Bake, AnInterruptLeavesNothingHalfWrittenAtAnyTime) {
+  const std::vector<std::string> whole{"a.souple"}, partial{"a.souple.partial"};
   for (double after_s = 0.01; after_s < 2; after_s += after_s < 0.1 ? 0.03 : 0.015) {
     RunOptions options;
     options.signal_after_s = after_s;
     const auto result = bake({"-o", path("a.souple").string()}, options);
-    // Nothing, or the whole asset if the interrupt came while it was written; never a temporary file.
-    if (!names().empty()) {
+    // Nothing, finished stages, or the whole asset if the interrupt came while it was written; never a
+    // temporary file.
+    if (names() == partial) {
+      ASSERT_EQ(run_souple({"validate", path("a.souple.partial").string()}).exit_code, 0) << after_s;
+      fs::remove(path("a.souple.partial"));
+    } else if (!names().empty()) {
       ASSERT_EQ(names(), whole) << after_s;
       ASSERT_EQ(run_souple({"validate", path("a.souple").string()}).exit_code, 0) << after_s;
     }

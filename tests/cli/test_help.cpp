@@ -33,8 +33,8 @@ TEST(Help, StatesTheExitCodesThatTheProgramUses) {
   const auto help = run_souple({"--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_EQ(exit_codes_in(help.out), exit_codes_of_the_program());
-  for (const char* verb : {"bake", "repair", "decimate", "tetrahedralize", "hierarchy", "inspect",
-                           "validate", "export", "simulate", "explain"}) {
+  for (const char* verb : {"bake", "repair", "decimate", "tetrahedralize", "hierarchy", "precompute",
+                           "inspect", "validate", "export", "simulate", "explain"}) {
     EXPECT_NE(help.out.find(std::string("\n  ") + verb + " "), std::string::npos);
     const auto verb_help = run_souple({verb, "--help"});
     EXPECT_EQ(verb_help.exit_code, 0) << verb;

@@ -24,9 +24,13 @@ int ForeignFile::code() const {
 }
 
 void set_integer(hid_t file, const char* group, const char* name, std::int64_t value) {
-  const hid_t attribute = H5Aopen_by_name(file, group, name, H5P_DEFAULT, H5P_DEFAULT);
+  // Replaced: HDF5 1.10 does not find some attributes again to write into them.
+  const hid_t object = H5Gopen2(file, group, H5P_DEFAULT);
+  ASSERT_GE(H5Adelete(object, name), 0);
+  const hid_t space = H5Screate(H5S_SCALAR);
+  const hid_t attribute = H5Acreate2(object, name, H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT);
   ASSERT_GE(H5Awrite(attribute, H5T_NATIVE_INT64, &value), 0);
-  H5Aclose(attribute);
+  H5Aclose(attribute), H5Sclose(space), H5Gclose(object);
 }
 
 void set_text(hid_t file, const char* group, const char* name, const std::string& value) {

@@ -13,6 +13,7 @@
 #include <tuple>
 
 #include "sample_embedding.hpp"
+#include "sample_hierarchy.hpp"
 
 namespace souple::test {
 namespace {
@@ -189,6 +190,10 @@ Asset make_sample_asset(const SampleOptions& options) {
       asset.compliances.push_back(
           make_variant(asset, "clamped-static", ComplianceKind::static_equilibrium, &bottom, options));
   }
+  if (options.hierarchical) {
+    asset.compliances.push_back(make_hierarchical_variant(asset, 2, 4));
+    if (options.levels > 1) asset.compliances.push_back(make_coarse_variant(asset));
+  }
   asset.provenance = {"souple 0.1.0", "[mesh]\ntets = 48\n# größe\n", "box.obj",
                       "00112233445566778899aabbccddeeff"};
   return asset;
@@ -200,7 +205,16 @@ auto header_fields(const ComplianceHeader& h) {
   return std::tie(h.name, h.kind, h.time_step_s, h.fixed_set, h.mass_factor, h.stiffness_factor,
                   h.tolerance_asked, h.error.solve_residual, h.error.scaled_spectral, h.error.frobenius,
                   h.error.worst_column, h.representation, h.scalar, h.node_count, h.tile_nodes,
-                  h.block_count, h.block_scalars);
+                  h.block_count, h.block_scalars, h.error_norm, h.shift, h.coarsening);
+}
+
+auto hierarchy_fields(const HierarchicalIndex& h) {
+  return std::tie(h.depth, h.order, h.scale, h.leaf_step, h.leaf_planes, h.rank, h.step, h.singular,
+                  h.planes, h.record_begin);
+}
+
+bool same_prolongation(const RowProlongation& a, const RowProlongation& b) {
+  return a.row == b.row && a.weight == b.weight;
 }
 
 bool same_row(const Embedding& a, const Embedding& b) {
@@ -234,7 +248,8 @@ bool same_set(const FixedSet& a, const FixedSet& b) { return a.name == b.name &&
 
 bool same_variant(const ComplianceVariant& a, const ComplianceVariant& b) {
   return header_fields(a.header) == header_fields(b.header) && a.nodes == b.nodes &&
-         a.payload == b.payload;
+         std::ranges::equal(a.prolongation, b.prolongation, same_prolongation) &&
+         hierarchy_fields(a.hierarchy) == hierarchy_fields(b.hierarchy) && a.payload == b.payload;
 }
 
 bool same_provenance(const Provenance& a, const Provenance& b) {

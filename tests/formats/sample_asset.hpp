@@ -23,6 +23,9 @@ struct SampleOptions {
   std::int64_t tile_nodes = 8;
   /// With an embedding, the inner nodes of finer levels are moved off the middles of their parents.
   Ties ties = Ties::both;
+  /// Variants "compressed" and, above one level, "coarse": hierarchical, the latter with a
+  /// prolongation.
+  bool hierarchical = true;
   int visual_cells = 3;  ///< of the box whose surface is shown, 2 % larger than the body; 0: none
 };
 

@@ -143,6 +143,97 @@ TEST_F(ForeignFile, WithOtherDatasetsThanOursIsRefused) {
   H5Tclose(text);
 }
 
+TEST_F(ForeignFile, WithOtherDatasetsOfAHierarchicalComplianceIsRefused) {
+  constexpr auto shuffle = H5Z_FILTER_SHUFFLE, sum = H5Z_FILTER_FLETCHER32;
+  const hsize_t size = asset_.compliances[3].payload.size();
+  struct Replacement {
+    const char* name;
+    const char* path;
+    DatasetShape shape;
+  };
+  const std::vector<Replacement> replacements{
+      {"no checksum",
+       "payload",
+       {.extent = {size}, .chunk = {64}, .type = H5T_STD_U8LE, .filters = {zstd}}},
+      {"no zstd", "payload", {.extent = {size}, .chunk = {64}, .type = H5T_STD_U8LE, .filters = {sum}}},
+      {"other order",
+       "payload",
+       {.extent = {size}, .chunk = {64}, .type = H5T_STD_U8LE, .filters = {sum, zstd}}},
+      {"deflate",
+       "payload",
+       {.extent = {size}, .chunk = {64}, .type = H5T_STD_U8LE, .filters = {H5Z_FILTER_DEFLATE, sum}}},
+      {"signed", "payload", {.extent = {size}, .chunk = {64}, .type = H5T_STD_I8LE}},
+      {"rank 2", "payload", {.extent = {size, 1}, .chunk = {64, 1}, .type = H5T_STD_U8LE}},
+      {"long", "payload", {.extent = {size + 1}, .chunk = {64}, .type = H5T_STD_U8LE}},
+      {"huge", "payload", {.extent = {hsize_t{1} << 39}, .chunk = {1 << 20}, .type = H5T_STD_U8LE}},
+      {"unshuffled order", "order", {.extent = {26}, .chunk = {26}, .filters = {zstd, sum}}},
+      {"wide planes", "planes", {.extent = {12}, .chunk = {12}, .type = H5T_STD_I32LE}},
+      {"double scale", "scale", {.extent = {26, 6}, .chunk = {26, 6}, .type = H5T_IEEE_F64LE}},
+      {"huge scale",
+       "scale",
+       {.extent = {hsize_t{1} << 33, 6}, .chunk = {32768, 6}, .type = H5T_IEEE_F32LE}},
+      {"int32 begins",
+       "record_begin",
+       {.extent = {5}, .chunk = {5}, .type = H5T_STD_I32LE, .filters = {shuffle, zstd, sum}}},
+  };
+  for (const Replacement& replacement : replacements) {
+    SetUp();
+    change([&](hid_t file) {
+      const std::string path = std::string("/compliance/compressed/") + replacement.path;
+      H5Dclose(replace_dataset(file, path.c_str(), replacement.shape));
+    });
+    EXPECT_NE(code(), 0) << replacement.name;
+    EXPECT_NE(code(), number(IssueCode::io_out_of_memory)) << replacement.name;
+  }
+}
+
+TEST_F(ForeignFile, WithoutAPartOfAHierarchicalComplianceIsRefused) {
+  for (const char* name : {"nodes", "order", "scale", "leaf_step", "leaf_planes", "rank", "step",
+                           "singular", "planes", "record_begin", "payload"}) {
+    SetUp();
+    change([&](hid_t file) {
+      ASSERT_GE(H5Ldelete(file, (std::string("/compliance/compressed/") + name).c_str(), H5P_DEFAULT),
+                0);
+    });
+    EXPECT_NE(code(), 0) << name;
+  }
+  for (const char* name : {"prolongation_rows", "prolongation_weights"}) {
+    SetUp();
+    change([&](hid_t file) {
+      ASSERT_GE(H5Ldelete(file, (std::string("/compliance/coarse/") + name).c_str(), H5P_DEFAULT), 0);
+    });
+    EXPECT_EQ(code(), number(IssueCode::asset_corrupt)) << name;
+  }
+}
+
+TEST_F(ForeignFile, WithoutTheAttributesOfVersion1_2TakesTheirDefaults) {
+  change([&](hid_t file) {
+    for (const char* name : {"error_norm", "shift", "coarsening"})
+      ASSERT_GE(H5Adelete_by_name(file, "/compliance/default", name, H5P_DEFAULT), 0);
+  });
+  EXPECT_EQ(code(), 0);
+  change([&](hid_t file) {
+    ASSERT_GE(H5Adelete_by_name(file, "/compliance/compressed", "depth", H5P_DEFAULT), 0);
+  });
+  EXPECT_EQ(code(), number(IssueCode::asset_corrupt));
+}
+
+TEST_F(ForeignFile, WithAnUnknownErrorNormKeepsItsOtherVariants) {
+  change([](hid_t file) { set_text(file, "/compliance/default", "error_norm", "nuclear"); });
+  EXPECT_EQ(code(), number(IssueCode::unsupported_representation));
+  Result<AssetReader> reader = AssetReader::open(file_);
+  ASSERT_TRUE(reader.ok());
+  EXPECT_TRUE(reader->read_compliance("compressed").ok());
+}
+
+TEST_F(ForeignFile, WithAnImpossibleDepthIsRefused) {
+  for (const std::int64_t depth : {std::int64_t{-1}, std::int64_t{3}, std::int64_t{64},
+                                   std::numeric_limits<std::int64_t>::max()}) {
+    change([&](hid_t file) { set_integer(file, "/compliance/compressed", "depth", depth); });
+    EXPECT_EQ(code(), number(IssueCode::asset_compliance_invalid)) << depth;
+  }
+}
+
 TEST_F(ForeignFile, WithAVirtualDatasetIsRefused) {
   change([&](hid_t file) {
     H5Ldelete(file, "/mesh/levels/0/tets", H5P_DEFAULT);

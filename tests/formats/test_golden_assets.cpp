@@ -27,6 +27,7 @@ const Golden goldens[] = {
     {"asset-1.1.souple", "Version1_1", 1, "d3d0ade01f11135cd1cf131b65db7fe4", true, true, true, 3},
     {"asset-1.1-embedded.souple", "Version1_1Embedded", 1, "6c0720c06cc1a4409bffda392a9909ca", false,
      true, true, 1},
+    {"asset-1.2.souple", "Version1_2", 2, "4a6170479860c45a80e6bd260b98513a", true, true, true, 5},
 };
 
 class GoldenAsset : public ::testing::TestWithParam<Golden> {
@@ -68,6 +69,33 @@ TEST_P(GoldenAsset, KeepsItsParts) {
   EXPECT_EQ(asset_.compliances.size(), GetParam().compliance_count);
   EXPECT_EQ(asset_.compliances.back().header.name, "default");
   EXPECT_EQ(asset_.provenance.input_name, "box.obj");
+}
+
+// Of the variants that 1.2 brought; older files have none and what 1.2 added to headers at its
+// defaults.
+TEST_P(GoldenAsset, KeepsItsHierarchicalCompliances) {
+  std::size_t count = 0;
+  for (const ComplianceVariant& variant : asset_.compliances) {
+    const ComplianceHeader& header = variant.header;
+    if (header.representation == ComplianceRepresentation::dense_tiled) {
+      EXPECT_EQ(header.error_norm, ErrorNorm::scaled_spectral);
+      EXPECT_EQ(header.shift, 0);
+      EXPECT_EQ(header.coarsening, 0);
+      EXPECT_TRUE(variant.hierarchy.order.empty() && variant.prolongation.empty());
+      continue;
+    }
+    ++count;
+    const bool coarse = header.name == "coarse";
+    EXPECT_EQ(header.error_norm, coarse ? ErrorNorm::worst_column : ErrorNorm::frobenius);
+    EXPECT_EQ(header.shift, 4.5e-4);
+    EXPECT_EQ(header.coarsening, coarse ? 1 : 0);
+    EXPECT_EQ(variant.nodes.size(), 26u);
+    EXPECT_EQ(variant.prolongation.size(), coarse ? 26u : 0u);
+    EXPECT_EQ(variant.hierarchy.depth, coarse ? 1 : 2);
+    EXPECT_EQ(variant.hierarchy.order.size(), coarse ? 8u : 26u);
+    EXPECT_EQ(variant.hierarchy.rank, (coarse ? std::vector<Index>{3} : std::vector<Index>{4, 4, 4}));
+  }
+  EXPECT_EQ(count, GetParam().version_minor >= 2 ? 2u : 0u);
 }
 
 // What the present writer makes of old content has the hash that the old file has.

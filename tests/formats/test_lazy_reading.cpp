@@ -124,6 +124,35 @@ TEST_F(LazyReading, OneVariantDoesNotReadTheOther) {
   EXPECT_LT(cost, stored + (64 << 10));
 }
 
+// Leaves are read by chunks: what a leaf costs is its record and what shares a chunk with it.
+TEST_F(LazyReading, RecordsCostTheirChunksAndTheIndexCostsNoPayload) {
+  Result<AssetReader> reader = AssetReader::open(scratch_->path("big.souple"));
+  ASSERT_TRUE(reader.ok());
+  const Result<GroupCost> cost = reader->read_compliance_cost("compressed");
+  ASSERT_TRUE(cost.ok());
+  ASSERT_GT(cost->payload_raw_bytes, 8 * cost->payload_chunk_bytes);
+  constexpr std::uint64_t headers = 16384;
+  const auto cost_of = [&](const auto& read) {
+    const std::uint64_t before = reader->bytes_read();
+    EXPECT_TRUE(read());
+    return reader->bytes_read() - before;
+  };
+  EXPECT_LT(cost_of([&] { return reader->read_compliance_cost("compressed").ok(); }), headers);
+  const std::uint64_t index = cost_of([&] { return reader->read_compliance_index("compressed").ok(); });
+  const std::uint64_t stored = cost->stored_bytes - cost->payload_stored_bytes;
+  EXPECT_GE(index, stored);
+  EXPECT_LT(index, stored + headers);
+  std::vector<std::byte> part(1000);
+  const auto read_at = [&](std::uint64_t begin) {
+    return cost_of([&] { return reader->read_payload("compressed", begin, part).ok(); });
+  };
+  const std::uint64_t chunk = cost->payload_chunk_bytes;
+  EXPECT_LT(read_at(chunk), chunk + headers);  // opens the payload
+  EXPECT_LT(read_at(chunk), chunk + 64);
+  EXPECT_GT(read_at(2 * chunk - 500), chunk);
+  EXPECT_LT(read_at(2 * chunk - 500), 2 * chunk);
+}
+
 TEST_F(LazyReading, CountsTheSameFromMemory) {
   const std::string file = scratch_->path("big.souple");
   const std::vector<std::byte> bytes = read_bytes(file);

@@ -2,6 +2,9 @@
 // What of an asset file reaches the runtime.
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <thread>
+
 #include "formats/read/asset_reader.hpp"
 #include "formats/read/validate.hpp"
 #include "formats/write/asset_writer.hpp"
@@ -184,6 +187,58 @@ TEST(LoadSoftBody, FetchesNothingThatItWasNotAskedFor) {
   EXPECT_GT(plain, 0u);
   EXPECT_LT(plain, finest + headers);
   EXPECT_GE(with_visual, plain + visual);
+}
+
+/// The sample with hierarchical compliances, as bytes of a file.
+std::vector<std::byte> file_of_hierarchical_sample() {
+  const auto bytes = write_asset_memory(make_sample_asset({.cells = 4, .fixed_bottom = false}));
+  return bytes ? *bytes : std::vector<std::byte>{};
+}
+
+const BodyCompliance* find(const SoftBodyAsset& body, const std::string& name) {
+  for (const BodyCompliance& compliance : body.compliances())
+    if (compliance.header.name == name) return &compliance;
+  return nullptr;
+}
+
+/// False if the blocks do not come within ten seconds.
+bool becomes_ready(const RestCompliance& compliance, std::span<const Index> rows) {
+  for (int tries = 0; tries < 10000; ++tries) {
+    if (compliance.ready(rows)) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+TEST(LoadSoftBody, StreamsTheSameComplianceThatItLoads) {
+  const auto bytes = file_of_hierarchical_sample();
+  Result<AssetReader> reader = AssetReader::open_memory(bytes), other = AssetReader::open_memory(bytes);
+  ASSERT_TRUE(reader.ok() && other.ok());
+  const Result<Loaded> whole = load_soft_body(*reader);
+  ASSERT_TRUE(whole.ok()) << format_issue(whole.issue());
+  const Result<Loaded> streamed = load_soft_body(std::move(*other), {.streaming = true});
+  ASSERT_TRUE(streamed.ok()) << format_issue(streamed.issue());
+  for (const char* name : {"compressed", "coarse"}) {
+    const BodyCompliance *loaded = find(**whole, name), *fetched = find(**streamed, name);
+    ASSERT_TRUE(loaded && fetched);
+    const std::vector<Index> rows{3, 4, 100, fetched->rest->row_count() - 1};
+    EXPECT_TRUE(loaded->rest->ready(rows));
+    EXPECT_FALSE(fetched->rest->ready(rows));
+    ASSERT_TRUE(becomes_ready(*fetched->rest, rows)) << name;
+    std::vector<double> expected(9 * rows.size() * rows.size()), found(expected.size());
+    loaded->rest->gather(rows, expected);
+    fetched->rest->gather(rows, found);
+    EXPECT_EQ(found, expected) << name;
+  }
+}
+
+TEST(LoadSoftBody, DoesNotStreamFromAnAssetOfSomebodyElse) {
+  const auto bytes = file_of_hierarchical_sample();
+  Result<AssetReader> reader = AssetReader::open_memory(bytes);
+  ASSERT_TRUE(reader.ok());
+  const Result<Loaded> body = load_soft_body(*reader, {.streaming = true});
+  ASSERT_FALSE(body.ok());
+  EXPECT_EQ(body.issue().code, IssueCode::unsupported_feature);
 }
 
 }  // namespace

@@ -61,7 +61,8 @@ TEST_F(OtherPrograms, H5dumpPrintsEverything) {
   const Output all = run(with_plugin + "h5dump '" + file_ + "'");
   EXPECT_EQ(all.exit_code, 0) << all.text.substr(0, 2000);
   for (const char* expected :
-       {"\"souple\"", "tets = 48", "flesh", "dense-tiled", "GROUP \"clamped-static\""})
+       {"\"souple\"", "tets = 48", "flesh", "dense-tiled", "GROUP \"clamped-static\"", "hierarchical",
+        "worst-column", "prolongation_weights", "record_begin"})
     EXPECT_NE(all.text.find(expected), std::string::npos) << expected;
 }
 
@@ -76,6 +77,9 @@ TEST_F(OtherPrograms, H5lsListsTheGroups) {
   ASSERT_EQ(listed.exit_code, 0) << listed.text;
   EXPECT_NE(listed.text.find("/compliance/default/payload Dataset {10, 576}"), std::string::npos)
       << listed.text;
+  const std::string records = "/compliance/compressed/payload Dataset {" +
+                              std::to_string(asset_.compliances[3].payload.size()) + "}";
+  EXPECT_NE(listed.text.find(records), std::string::npos) << listed.text;
 }
 
 TEST_F(OtherPrograms, H5pyReadsTheNumbers) {

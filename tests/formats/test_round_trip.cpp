@@ -13,6 +13,7 @@
 #include "formats/read/validate.hpp"
 #include "formats/write/asset_writer.hpp"
 #include "sample_asset.hpp"
+#include "sample_hierarchy.hpp"
 
 namespace souple::test {
 namespace {
@@ -73,7 +74,7 @@ TEST(AssetRoundTrip, WorksThroughAFile) {
   EXPECT_EQ(reader->level_count(), 2u);
   EXPECT_EQ(reader->fixed_set_names(), (std::vector<std::string>{"bottom", "ecke"}));
   EXPECT_EQ(reader->compliance_names(),
-            (std::vector<std::string>{"clamped", "clamped-static", "default"}));
+            (std::vector<std::string>{"clamped", "clamped-static", "coarse", "compressed", "default"}));
   EXPECT_EQ(reader->content_hash(), content_hash(asset));
   const Result<Asset> again = read_asset(*reader);
   ASSERT_TRUE(again.ok());
@@ -94,6 +95,27 @@ TEST(AssetRoundTrip, KeepsTilesThatAreLargerThanAChunk) {
   const Asset asset = make_sample_asset({.cells = 2, .fixed_bottom = false, .tile_nodes = 180});
   const std::vector<std::byte> bytes = written(asset);
   EXPECT_TRUE(same_content(asset, read_back(bytes)));
+}
+
+TEST(AssetRoundTrip, KeepsHierarchicalCompliancesOfEveryDepth) {
+  for (const int depth : {0, 1, 3, 4})
+    for (const Index rank : {0, 1, 1000}) {
+      Asset asset = make_sample_asset({.fixed_bottom = false, .hierarchical = false});
+      asset.compliances = {make_hierarchical_variant(asset, depth, rank)};
+      const std::vector<std::byte> bytes = written(asset);
+      EXPECT_TRUE(same_content(asset, read_back(bytes))) << depth << ", " << rank;
+      const ValidationReport report = validate_asset_memory(bytes);
+      EXPECT_TRUE(report.issues.empty()) << format_issue(report.issues.front());
+    }
+}
+
+TEST(AssetRoundTrip, KeepsADenseComplianceWithAProlongation) {
+  Asset asset = make_sample_asset();
+  ComplianceVariant coarse = make_coarse_variant(asset);
+  ComplianceVariant& dense = asset.compliances[0];
+  dense.header.coarsening = 1;
+  dense.prolongation = coarse.prolongation;
+  EXPECT_TRUE(same_content(asset, read_back(written(asset))));
 }
 
 TEST(AssetRoundTrip, KeepsTextsOfTheLargestLength) {
@@ -190,6 +212,34 @@ TEST(ContentHash, ChangesWithEveryPart) {
   EXPECT_TRUE(differs([](Asset& a) { a.compliances[1].payload[100] ^= std::byte{1}; }));
 }
 
+TEST(ContentHash, ChangesWithEveryPartOfAHierarchicalCompliance) {
+  const Asset asset = make_sample_asset();
+  const std::string hash = content_hash(asset);
+  const auto differs = [&](auto change) {
+    Asset other = asset;
+    change(other.compliances[4]);
+    return content_hash(other) != hash;
+  };
+  ASSERT_EQ(asset.compliances[4].header.name, "coarse");
+  using Variant = ComplianceVariant;
+  EXPECT_TRUE(differs([](Variant& v) { v.header.shift *= 2; }));
+  EXPECT_TRUE(differs([](Variant& v) { v.header.error_norm = ErrorNorm::scaled_spectral; }));
+  EXPECT_TRUE(differs([](Variant& v) { v.header.coarsening = 0; }));
+  EXPECT_TRUE(differs([](Variant& v) { v.prolongation[3].row[2] ^= 1; }));
+  EXPECT_TRUE(differs([](Variant& v) { v.prolongation[3].weight[2] += 1e-15; }));
+  EXPECT_TRUE(differs([](Variant& v) { ++v.hierarchy.depth; }));
+  EXPECT_TRUE(differs([](Variant& v) { std::swap(v.hierarchy.order[0], v.hierarchy.order[1]); }));
+  EXPECT_TRUE(differs([](Variant& v) { v.hierarchy.scale[1][5] *= 1.0001F; }));
+  EXPECT_TRUE(differs([](Variant& v) { v.hierarchy.leaf_step[1] *= 1.0001F; }));
+  EXPECT_TRUE(differs([](Variant& v) { v.hierarchy.leaf_planes[1] ^= 1; }));
+  EXPECT_TRUE(differs([](Variant& v) { ++v.hierarchy.rank[0]; }));
+  EXPECT_TRUE(differs([](Variant& v) { v.hierarchy.step[0] *= 1.0001F; }));
+  EXPECT_TRUE(differs([](Variant& v) { v.hierarchy.singular[1] *= 1.0001F; }));
+  EXPECT_TRUE(differs([](Variant& v) { v.hierarchy.planes[1] ^= 1; }));
+  EXPECT_TRUE(differs([](Variant& v) { ++v.hierarchy.record_begin[1]; }));
+  EXPECT_TRUE(differs([](Variant& v) { v.payload[10] ^= std::byte{1}; }));
+}
+
 TEST(AssetReader, ListsWhatGroupsCostWithoutReadingThem) {
   const Asset asset = make_sample_asset({.cells = 3});
   const std::vector<std::byte> bytes = written(asset);
@@ -210,7 +260,7 @@ TEST(AssetReader, ListsWhatGroupsCostWithoutReadingThem) {
   EXPECT_EQ(visual->vertex_count, asset.visual.surface.vertices.size());
   EXPECT_EQ(visual->triangle_count, asset.visual.surface.triangles.size());
   EXPECT_LT(reader->bytes_read(), bytes.size() / 4);
-  ASSERT_EQ(costs->size(), 2u + 1u + 1u + 2u + 3u);
+  ASSERT_EQ(costs->size(), 2u + 1u + 1u + 2u + 5u);
   const auto cost = [&](const std::string& path) {
     return *std::ranges::find(*costs, path, &GroupCost::path);
   };
@@ -266,6 +316,53 @@ TEST(AssetReader, GivesTheMeshOfALevelWithoutItsTies) {
   EXPECT_EQ(level->mesh.tets, asset.levels[1].mesh.tets);
   EXPECT_EQ(level->boundary, asset.levels[1].boundary);
   EXPECT_TRUE(level->parents.empty() && level->embedding.empty());
+}
+
+TEST(AssetReader, GivesTheIndexOfAVariantAndPartsOfItsPayload) {
+  const Asset asset = make_sample_asset({.cells = 4});
+  const std::vector<std::byte> bytes = written(asset);
+  Result<AssetReader> reader = AssetReader::open_memory(bytes);
+  ASSERT_TRUE(reader.ok());
+  for (const ComplianceVariant& variant : asset.compliances) {
+    const std::string& name = variant.header.name;
+    const Result<ComplianceVariant> index = reader->read_compliance_index(name);
+    ASSERT_TRUE(index.ok()) << format_issue(index.issue());
+    EXPECT_TRUE(index->payload.empty());
+    EXPECT_EQ(index->nodes, variant.nodes);
+    EXPECT_EQ(index->hierarchy.record_begin, variant.hierarchy.record_begin);
+    EXPECT_EQ(index->prolongation.size(), variant.prolongation.size());
+    const Result<GroupCost> cost = reader->read_compliance_cost(name);
+    ASSERT_TRUE(cost.ok());
+    EXPECT_EQ(cost->payload_raw_bytes, variant.payload.size());
+    if (variant.hierarchy.record_begin.empty()) continue;
+    for (std::size_t leaf = 0; leaf + 1 < variant.hierarchy.record_begin.size(); ++leaf) {
+      const auto begin = static_cast<std::uint64_t>(variant.hierarchy.record_begin[leaf]);
+      const auto end = static_cast<std::uint64_t>(variant.hierarchy.record_begin[leaf + 1]);
+      std::vector<std::byte> record(end - begin);
+      ASSERT_TRUE(reader->read_payload(name, begin, record).ok());
+      EXPECT_TRUE(std::ranges::equal(record, std::span(variant.payload).subspan(begin, end - begin)));
+    }
+  }
+}
+
+TEST(AssetReader, RefusesPartsThatAPayloadDoesNotHave) {
+  const Asset asset = make_sample_asset();
+  const std::vector<std::byte> bytes = written(asset);
+  Result<AssetReader> reader = AssetReader::open_memory(bytes);
+  ASSERT_TRUE(reader.ok());
+  const std::uint64_t size = asset.compliances[3].payload.size();
+  std::vector<std::byte> part(2);
+  const auto code_at = [&](const std::string& name, std::uint64_t begin) {
+    const Status status = reader->read_payload(name, begin, part);
+    return status ? IssueCode{} : status.issue().code;
+  };
+  EXPECT_EQ(code_at("compressed", size - 2), IssueCode{});
+  for (const std::uint64_t begin : {size - 1, size, size + 1, ~std::uint64_t{0}})
+    EXPECT_EQ(code_at("compressed", begin), IssueCode::asset_corrupt) << begin;
+  EXPECT_EQ(code_at("default", 0), IssueCode::asset_corrupt);
+  EXPECT_EQ(code_at("none", 0), IssueCode::asset_missing_part);
+  part.clear();
+  EXPECT_EQ(code_at("compressed", size), IssueCode{});
 }
 
 TEST(AssetReader, RefusesWhatIsNoFile) {

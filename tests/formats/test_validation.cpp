@@ -234,6 +234,66 @@ const Fault compliance_faults[] = {
      [](Asset& a) { set_scalar(a.compliances[0], a.compliances[0].payload.size() / 4 - 1, 1.0f); }},
 };
 
+ComplianceVariant& compressed(Asset& a) { return a.compliances[3]; }
+ComplianceVariant& coarse(Asset& a) { return a.compliances[4]; }
+HierarchicalIndex& index(Asset& a) { return compressed(a).hierarchy; }
+
+constexpr IssueCode invalid = IssueCode::asset_compliance_invalid;
+
+const Fault hierarchy_faults[] = {
+    {"DepthNegative", invalid, [](Asset& a) { index(a).depth = -1; }},
+    {"DepthOfOtherLeaves", invalid, [](Asset& a) { index(a).depth = 3; }},
+    {"DepthHuge", invalid, [](Asset& a) { index(a).depth = std::numeric_limits<std::int64_t>::max(); }},
+    {"LeafCount", invalid, [](Asset& a) { ++compressed(a).header.block_count; }},
+    {"MoreLeavesThanNodes", invalid, [](Asset& a) { compressed(a).header.block_count = 27; }},
+    {"TileNodes", invalid, [](Asset& a) { compressed(a).header.tile_nodes = 8; }},
+    {"BlockScalars", invalid, [](Asset& a) { compressed(a).header.block_scalars = 1; }},
+    {"RowTwiceInOrder", invalid, [](Asset& a) { index(a).order[1] = index(a).order[0]; }},
+    {"RowOutOfRange", invalid, [](Asset& a) { index(a).order[1] = 26; }},
+    {"OrderShort", invalid, [](Asset& a) { index(a).order.pop_back(); }},
+    {"ScaleNaN", invalid, [](Asset& a) { index(a).scale[1][4] = static_cast<float>(nan); }},
+    {"ScaleNotPositive", invalid, [](Asset& a) { index(a).scale[1][0] = 0; }},
+    {"ScaleShort", invalid, [](Asset& a) { index(a).scale.pop_back(); }},
+    {"LeafStepInfinite", invalid,
+     [](Asset& a) { index(a).leaf_step[1] = static_cast<float>(infinity); }},
+    {"LeafPlanes", invalid, [](Asset& a) { index(a).leaf_planes[1] = 5; }},
+    {"RankNegative", invalid, [](Asset& a) { index(a).rank[1] = -1; }},
+    {"RankHuge", invalid, [](Asset& a) { index(a).rank[1] = std::numeric_limits<Index>::max(); }},
+    {"RankOfOtherTerms", invalid, [](Asset& a) { --index(a).rank[2]; }},
+    {"StepZero", invalid, [](Asset& a) { index(a).step[0] = 0; }},
+    {"SingularNegative", invalid, [](Asset& a) { index(a).singular[2] = -1; }},
+    {"PlanesZero", invalid, [](Asset& a) { index(a).planes[2] = 0; }},
+    {"PlanesFive", invalid, [](Asset& a) { index(a).planes[2] = 5; }},
+    {"RecordTooLong", invalid,
+     [](Asset& a) {
+       compressed(a).payload.resize(1 << 20);
+       index(a).record_begin.back() = 1 << 20;
+     }},
+    {"RecordNegative", invalid, [](Asset& a) { index(a).record_begin[1] = -1; }},
+    {"RecordsNotAscending", invalid,
+     [](Asset& a) { std::swap(index(a).record_begin[1], index(a).record_begin[2]); }},
+    {"RecordsHuge", invalid,
+     [](Asset& a) { index(a).record_begin.back() = std::numeric_limits<std::int64_t>::max(); }},
+    {"PayloadShort", invalid, [](Asset& a) { compressed(a).payload.pop_back(); }},
+    {"PayloadLong", invalid, [](Asset& a) { compressed(a).payload.push_back({}); }},
+    {"ShiftNaN", invalid, [](Asset& a) { compressed(a).header.shift = nan; }},
+    {"ShiftNegative", invalid, [](Asset& a) { compressed(a).header.shift = -1e-9; }},
+    {"ShiftOfADenseCompliance", invalid, [](Asset& a) { header(a).shift = 1e-3; }},
+    {"ProlongationWithoutCoarsening", invalid, [](Asset& a) { coarse(a).header.coarsening = 0; }},
+    {"CoarseningWithoutProlongation", invalid, [](Asset& a) { compressed(a).header.coarsening = 1; }},
+    {"CoarseningOfTwoLevels", invalid, [](Asset& a) { coarse(a).header.coarsening = 2; }},
+    {"CoarseningNegative", invalid, [](Asset& a) { coarse(a).header.coarsening = -1; }},
+    {"ProlongationShort", invalid, [](Asset& a) { coarse(a).prolongation.pop_back(); }},
+    {"ProlongationOutOfRange", invalid, [](Asset& a) { coarse(a).prolongation[5].row[3] = 8; }},
+    {"ProlongationNegative", invalid, [](Asset& a) { coarse(a).prolongation[5].row[3] = -1; }},
+    {"ProlongationNaN", invalid, [](Asset& a) { coarse(a).prolongation[5].weight[3] = nan; }},
+    {"ProlongationOfSumAlmostOne", invalid,
+     [](Asset& a) { coarse(a).prolongation[5].weight[0] += 2e-6; }},
+    {"CoarseNodeOutOfRange", invalid, [](Asset& a) { coarse(a).nodes.back() = 27; }},
+    {"CoarseNodesMissing", invalid,
+     [](Asset& a) { coarse(a).nodes.clear(), coarse(a).prolongation.clear(); }},
+};
+
 class Validation : public ::testing::TestWithParam<Fault> {};
 
 TEST_P(Validation, FindsTheFault) {
@@ -251,6 +311,7 @@ INSTANTIATE_TEST_SUITE_P(Mesh, Validation, ::testing::ValuesIn(mesh_faults), fau
 INSTANTIATE_TEST_SUITE_P(Embedding, Validation, ::testing::ValuesIn(embedding_faults), fault_name);
 INSTANTIATE_TEST_SUITE_P(Parts, Validation, ::testing::ValuesIn(part_faults), fault_name);
 INSTANTIATE_TEST_SUITE_P(Compliance, Validation, ::testing::ValuesIn(compliance_faults), fault_name);
+INSTANTIATE_TEST_SUITE_P(Hierarchy, Validation, ::testing::ValuesIn(hierarchy_faults), fault_name);
 
 TEST(ValidationReport, IsCapped) {
   Asset asset = make_sample_asset({.cells = 3});

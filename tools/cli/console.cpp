@@ -66,15 +66,17 @@ void Console::issue(const Issue& issue) {
   print(painted(format_issue(issue), issue.severity));
 }
 
-void Console::progress(std::string_view label, double fraction) {
+void Console::progress(std::string_view label, double fraction, std::string_view more) {
   if (!terminal_ || verbosity_ == Verbosity::quiet) return;
   const int percent = static_cast<int>(100 * std::clamp(fraction, 0.0, 1.0));
-  if (progress_shown_ && percent == last_percent_ && label == last_label_) return;
+  if (progress_shown_ && percent == last_percent_ && label == last_label_ && more == last_more_) return;
   last_percent_ = percent;
   last_label_ = label;
+  last_more_ = more;
   const auto filled = static_cast<std::size_t>(bar_width * percent / 100);
   const std::string bar = std::string(filled, '#') + std::string(bar_width - filled, '.');
-  std::fprintf(stderr, "\r\033[K%-14s [%s] %3d %%", last_label_.c_str(), bar.c_str(), percent);
+  std::fprintf(stderr, "\r\033[K%-14s [%s] %3d %% %s", last_label_.c_str(), bar.c_str(), percent,
+               last_more_.c_str());
   std::fflush(stderr);
   progress_shown_ = true;
 }

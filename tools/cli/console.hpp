@@ -21,8 +21,9 @@ class Console {
   void say(std::string_view line);     ///< unless quiet
   void detail(std::string_view line);  ///< only if verbose
   void issue(const Issue& issue);      ///< errors always; notes and warnings unless quiet
-  /// A progress line that overwrites itself; nothing unless stderr is a terminal, and not if quiet.
-  void progress(std::string_view label, double fraction);
+  /// A progress line, `more` at its end, that overwrites itself; nothing unless stderr is a terminal,
+  /// and not if quiet.
+  void progress(std::string_view label, double fraction, std::string_view more = {});
   void end_progress();
 
  private:
@@ -34,7 +35,7 @@ class Console {
   bool colour_;    ///< terminal, and NO_COLOR is not set (no-color.org)
   bool progress_shown_ = false;
   int last_percent_ = -1;
-  std::string last_label_;
+  std::string last_label_, last_more_;
 };
 
 }  // namespace souple

@@ -17,12 +17,13 @@
 namespace souple {
 
 std::span<const Verb> verbs() {
-  static constexpr std::array<Verb, 10> table{{
+  static constexpr std::array<Verb, 11> table{{
       {"bake", "a surface becomes an asset: mesh, hierarchy, compliances", run_bake},
       {"repair", "what is wrong with a surface, and a solid made of it", run_repair},
       {"decimate", "a surface of fewer triangles", run_decimate},
       {"tetrahedralize", "a closed surface filled with tets", run_tetrahedralize},
       {"hierarchy", "tet meshes become the levels of an asset", run_hierarchy},
+      {"precompute", "an asset gets the compliances of a recipe", run_precompute},
       {"inspect", "what is in an asset and what it costs; reads headers only", run_inspect},
       {"validate", "checks everything in an asset", run_validate},
       {"export", "tets or surfaces of an asset for other programs", run_export},

@@ -29,6 +29,7 @@ Result<ExitCode> run_repair(const Arguments& arguments);
 Result<ExitCode> run_decimate(const Arguments& arguments);
 Result<ExitCode> run_tetrahedralize(const Arguments& arguments);
 Result<ExitCode> run_hierarchy(const Arguments& arguments);
+Result<ExitCode> run_precompute(const Arguments& arguments);
 Result<ExitCode> run_inspect(const Arguments& arguments);
 Result<ExitCode> run_validate(const Arguments& arguments);
 Result<ExitCode> run_export(const Arguments& arguments);

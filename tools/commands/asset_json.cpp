@@ -17,8 +17,27 @@ std::string_view representation_name(ComplianceRepresentation representation) {
   switch (representation) {
     case ComplianceRepresentation::dense_tiled:
       return "dense-tiled";
+    case ComplianceRepresentation::hierarchical:
+      return "hierarchical";
   }
   return "unknown";
+}
+
+std::string_view norm_name(ErrorNorm norm) {
+  switch (norm) {
+    case ErrorNorm::scaled_spectral:
+      return "scaled-spectral";
+    case ErrorNorm::frobenius:
+      return "frobenius";
+    case ErrorNorm::worst_column:
+      return "worst-column";
+  }
+  return "unknown";
+}
+
+/// Which systems share it: mass over stiffness factor, 1/s2; 0 if static.
+double key_of(const ComplianceHeader& header) {
+  return header.stiffness_factor > 0 ? header.mass_factor / header.stiffness_factor : 0;
 }
 
 std::string padded(std::string text, std::size_t width) {
@@ -47,10 +66,14 @@ Json compliance_json(const ComplianceHeader& header) {
           {"fixed_set", header.fixed_set},
           {"mass_factor", header.mass_factor},
           {"stiffness_factor", header.stiffness_factor},
+          {"key_per_s2", key_of(header)},
           {"node_count", header.node_count},
           {"representation", representation_name(header.representation)},
           {"scalar", scalar_type_name(header.scalar)},
+          {"coarsening", header.coarsening},
           {"tolerance_asked", header.tolerance_asked},
+          {"error_norm", norm_name(header.error_norm)},
+          {"shift", header.shift},
           {"error",
            {{"solve_residual", header.error.solve_residual},
             {"scaled_spectral", header.error.scaled_spectral},
@@ -71,11 +94,18 @@ std::string compliance_text(const ComplianceHeader& header) {
   if (header.kind == ComplianceKind::dynamic_step)
     text += ", time step " + rounded_text(header.time_step_s, 9) + " s";
   text += header.fixed_set.empty() ? ", nothing fixed" : ", fixed " + header.fixed_set;
-  text += ", " + std::to_string(header.node_count) + " nodes, " +
+  text += ", key " + rounded_text(key_of(header), 6) + " 1/s^2, " + std::to_string(header.node_count) +
+          (header.coarsening > 0 ? " nodes of the level below, " : " nodes, ") +
+          std::string(representation_name(header.representation)) + " " +
           std::string(scalar_type_name(header.scalar));
-  return text + ", residual " + rounded_text(header.error.solve_residual, 2) + ", stored error " +
-         rounded_text(header.error.scaled_spectral, 2) + " (worst column " +
-         rounded_text(header.error.worst_column, 2) + ")";
+  text += header.tolerance_asked > 0 ? "; asked " + rounded_text(header.tolerance_asked, 2) + " " +
+                                           std::string(norm_name(header.error_norm)) + ", measured "
+                                     : "; error ";
+  text += "scaled-spectral " + rounded_text(header.error.scaled_spectral, 2) + ", frobenius " +
+          rounded_text(header.error.frobenius, 2) + ", worst-column " +
+          rounded_text(header.error.worst_column, 2);
+  if (header.shift > 0) text += ", shift " + rounded_text(header.shift, 2);
+  return text + ", residual " + rounded_text(header.error.solve_residual, 2);
 }
 
 std::string group_costs_text(const std::vector<GroupCost>& costs) {

@@ -2,19 +2,22 @@
 // souple bake SURFACE -o ASSET: the whole pipeline.
 #include "tools/recipe/bake.hpp"
 
-#include <optional>
+#include <filesystem>
+#include <string>
 
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/json_output.hpp"
 #include "tools/cli/signals.hpp"
 #include "tools/cli/version.hpp"
 #include "tools/commands/bake_json.hpp"
+#include "tools/commands/compliance_options.hpp"
+#include "tools/commands/compliance_stage.hpp"
 #include "tools/commands/console_progress.hpp"
 #include "tools/commands/mesh_json.hpp"
 #include "tools/commands/recipe_options.hpp"
 #include "tools/exchange/atomic_file.hpp"
 #include "tools/exchange/numbers.hpp"
-#include "tools/recipe/recipe_parameters.hpp"
+#include "tools/recipe/partial_bake.hpp"
 
 namespace souple {
 namespace {
@@ -23,8 +26,8 @@ struct BakeOptions {
   std::string surface_file;
   std::string asset_file;
   RecipeOptions keys;
-  std::optional<std::string> time_step_s;
-  std::optional<std::string> scalar;
+  ComplianceOptions compliances;
+  bool no_resume = false;
 
   void add_to(CLI::App& app) {
     app.add_option(
@@ -33,14 +36,15 @@ struct BakeOptions {
         "VTK, VTU, TetGen, Vega)");
     app.add_option("-o,--output", asset_file, "the .souple file to write")->required();
     keys.add_to(app);
-    app.add_option("--time-step-s", time_step_s, "time step of the dynamic compliance");
-    app.add_option("--scalar", scalar, "of stored compliances: float32 or float64");
+    compliances.add_to(app);
+    app.add_flag("--no-resume", no_resume,
+                 "start anew, whatever an interrupted bake left in OUTPUT.partial");
   }
 
   Result<Recipe> recipe() const {
     Result<Recipe> recipe = keys.recipe();
     if (!recipe) return recipe;
-    if (auto status = override_compliance(*recipe, time_step_s, scalar); !status) return status.issue();
+    if (auto status = compliances.apply(*recipe); !status) return status.issue();
     if (!surface_file.empty()) recipe->surface.file = surface_file;
     if (auto status = check_recipe(*recipe); !status) return status.issue();
     return recipe;
@@ -65,10 +69,48 @@ std::string summary_text(const BakeReport& r, const std::string& file) {
   return text + "; peak memory " + bytes_text(r.peak_memory_bytes) + "\n";
 }
 
-/// Held signals: an interrupt waits until the temporary file was renamed or removed.
-Status write(BakeOutcome& outcome, const std::string& file, ProgressSink& progress) {
-  const HeldSignals held;
-  return write_baked_asset(outcome, file, progress);
+/// The body, made or taken from what an interrupted bake of the same kept.
+Result<BakeOutcome> body_of(const Recipe& recipe, const PartialBake& partial, bool resume,
+                            const std::string& generator, ProgressSink& progress) {
+  auto kept = resume ? partial.find() : make_issue(IssueCode::io_file_missing, "");
+  if (!kept) {
+    auto outcome = bake_body(recipe, generator, progress);
+    if (outcome && resume && kept.issue().code != IssueCode::io_file_missing)
+      outcome->report.notes.push_back("made anew, because " + partial.file().string() +
+                                      " cannot be used: " + kept.issue().what);
+    return outcome;
+  }
+  BakeOutcome outcome = outcome_of(std::move(*kept), recipe);
+  outcome.report.notes.push_back("the mesh and " + std::to_string(outcome.asset.compliances.size()) +
+                                 " compliances were taken from " + partial.file().string());
+  return outcome;
+}
+
+/// Everything up to the asset in memory.
+Result<BakeOutcome> make(const BakeOptions& given, const Recipe& recipe, Console& console,
+                         ProgressSink& progress, bool json) {
+  auto stage = given.compliances.stage();
+  if (!stage) return stage.issue();
+  const std::string generator = "souple " + std::string(program_version);
+  const PartialBake partial(given.asset_file, recipe, generator, stage->memory_limit_bytes);
+  auto outcome = body_of(recipe, partial, !given.no_resume, generator, progress);
+  if (!outcome) return outcome;
+  stage->keep = [&](Asset& unfinished) {
+    const HeldSignals held;
+    return partial.keep(unfinished);
+  };
+  const auto kept = [&] {
+    std::error_code error;
+    return std::filesystem::exists(partial.file(), error)
+               ? "finished stages are kept in " + partial.file().string()
+               : std::string();
+  };
+  const Status added =
+      run_compliance_stage(*outcome, recipe, std::move(*stage), progress, console, json, kept);
+  if (!added) return added.issue();
+  if (auto status = write_held(*outcome, given.asset_file, progress); !status) return status.issue();
+  partial.remove();
+  return outcome;
 }
 
 }  // namespace
@@ -88,9 +130,8 @@ Result<ExitCode> run_bake(const Arguments& arguments) {
   console.detail("effective recipe:\n" + canonical_recipe_text(*recipe));
 
   ConsoleProgress progress(console);
-  auto outcome = bake_asset(*recipe, "souple " + std::string(program_version), progress);
+  const auto outcome = make(given, *recipe, console, progress, line.common().json);
   if (!outcome) return outcome.issue();
-  if (auto status = write(*outcome, given.asset_file, progress); !status) return status.issue();
   console.end_progress();
   for (const std::string& note : outcome->report.notes) console.say("note: " + note);
   const Status printed = line.common().json ? print_json(bake_json(*outcome, given.asset_file))

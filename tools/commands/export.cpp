@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// souple export ASSET -o FILE: tets or surfaces of an asset for other programs.
+// souple export ASSET -o FILE: tets, surfaces or a compliance of an asset for other programs.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -7,6 +7,7 @@
 #include "formats/read/asset_reader.hpp"
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/json_output.hpp"
+#include "tools/commands/export_sofa.hpp"
 #include "tools/exchange/atomic_file.hpp"
 #include "tools/exchange/mesh_writer.hpp"
 #include "tools/exchange/nearest_name.hpp"
@@ -18,15 +19,22 @@ namespace fs = std::filesystem;
 
 constexpr std::array<std::string_view, 5> tet_formats{"msh", "mesh", "vtu", "vtk", "node"};
 
+constexpr std::string_view sofa_format = "sofa-comp", sofa_extension = "comp";
+
 struct ExportOptions {
-  std::string asset, output, format, level;
+  std::string asset, output, format, level, variant;
   bool visual = false;
 
   void add_to(CLI::App& app) {
     app.add_option("ASSET", asset, "the .souple file")->required();
-    app.add_option("-o,--output", output,
-                   "tets: " + tet_extensions() + "; surface: " + surface_extensions());
-    app.add_option("--to", format, "format, by its extension; without -o the file stands beside");
+    app.add_option(
+        "-o,--output", output,
+        "tets: " + tet_extensions() + "; surface: " + surface_extensions() + "; compliance: .comp");
+    app.add_option(
+        "--to", format,
+        "format, by its extension, or sofa-comp (what SOFA's PrecomputedConstraintCorrection "
+        "reads); without -o the file stands beside");
+    app.add_option("--variant", variant, "sofa-comp: the compliance; without it the only dynamic one");
     app.add_option("--level", level, "level of the hierarchy, 0 the coarsest; without it the finest");
     app.add_flag("--visual", visual, "the surface stored for display instead of the boundary");
   }
@@ -45,6 +53,19 @@ std::string extension_of(const fs::path& file) {
   std::ranges::transform(text, text.begin(),
                          [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return text;
+}
+
+/// A compliance for SOFA was asked for, by name or by the file's extension.
+Result<bool> wants_sofa(const ExportOptions& given) {
+  const bool sofa = given.format == sofa_format ||
+                    (given.format.empty() && extension_of(given.output) == sofa_extension);
+  if (!sofa && !given.variant.empty())
+    return make_issue(IssueCode::usage_conflict, "only sofa-comp writes a compliance", "--variant",
+                      "Leave it out, or add --to sofa-comp.");
+  if (sofa && (given.visual || !given.level.empty()))
+    return make_issue(IssueCode::usage_conflict, "a compliance belongs to the finest level",
+                      given.visual ? "--visual" : "--level", "Leave it out.");
+  return sofa;
 }
 
 Result<Target> target_of(const ExportOptions& given) {
@@ -119,15 +140,48 @@ Result<Written> write_visual(AssetReader& reader, const fs::path& file) {
   return Written{"visual", visual->surface.vertices.size(), visual->surface.triangles.size()};
 }
 
+Result<ExitCode> print_report(const CommandLine& line, const Json& document, const std::string& text) {
+  const Status printed = line.common().json    ? print_json(document)
+                         : line.common().quiet ? Status{}
+                                               : print_data(text);
+  if (!printed) return printed.issue();
+  return ExitCode::ok;
+}
+
+Result<ExitCode> run_sofa(const ExportOptions& given, const CommandLine& line) {
+  auto reader = AssetReader::open(given.asset);
+  if (!reader) return reader.issue();
+  Console console(line.common().verbosity());
+  const auto written = export_sofa_comp(*reader, given.asset, given.output, given.variant, console);
+  if (!written) return written.issue();
+  Json document = schema_header("export");
+  document["asset"] = given.asset;
+  document["output"] = written->file.string();
+  document["what"] = "compliance";
+  document["level"] = reader->level_count() - 1;
+  document["point_count"] = written->node_count;
+  document["element_count"] = 3 * written->node_count;
+  document["variant"] = written->variant;
+  document["time_step_s"] = written->time_step_s;
+  return print_report(line, document,
+                      written->file.string() + ": compliance " + written->variant + ", " +
+                          std::to_string(written->node_count) +
+                          " nodes, in the order of the tets that export writes\n");
+}
+
 }  // namespace
 
 Result<ExitCode> run_export(const Arguments& arguments) {
   ExportOptions given;
-  CommandLine line("export", "Tets or surfaces of an asset for other programs, in metres.");
+  CommandLine line("export",
+                   "Tets, surfaces or a compliance of an asset for other programs, in SI units.");
   given.add_to(line.app());
   const auto parsed = line.parse(arguments);
   if (!parsed) return parsed.issue();
   if (*parsed == ParseOutcome::help_printed) return ExitCode::ok;
+  const auto sofa = wants_sofa(given);
+  if (!sofa) return sofa.issue();
+  if (*sofa) return run_sofa(given, line);
   const auto target = target_of(given);
   if (!target) return target.issue();
   if (auto status = check_output_file(target->file); !status) return status.issue();
@@ -150,11 +204,7 @@ Result<ExitCode> run_export(const Arguments& arguments) {
                            std::to_string(written->point_count) + " points, " +
                            std::to_string(written->element_count) +
                            (target->is_volume ? " tets\n" : " triangles\n");
-  const Status printed = line.common().json    ? print_json(document)
-                         : line.common().quiet ? Status{}
-                                               : print_data(text);
-  if (!printed) return printed.issue();
-  return ExitCode::ok;
+  return print_report(line, document, text);
 }
 
 }  // namespace souple

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // souple inspect ASSET: what it holds and what each part costs. Reads headers and the small parts
-// (material, fixed sets), never nodes, tets or compliance blocks.
+// (material, fixed sets, ranks), never nodes, tets or compliance blocks.
 #include "formats/read/asset_reader.hpp"
+
+#include <algorithm>
 
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/json_output.hpp"
 #include "tools/commands/asset_json.hpp"
+#include "tools/commands/compliance_storage.hpp"
 #include "tools/exchange/numbers.hpp"
 
 namespace souple {
@@ -20,7 +23,7 @@ struct Contents {
   VisualSizes visual;
   Material material;
   std::vector<std::pair<std::string, std::size_t>> fixed_sets;  ///< name and node count
-  std::vector<ComplianceHeader> compliances;
+  std::vector<ComplianceSummary> compliances;
   std::vector<GroupCost> costs;
   std::uint64_t bytes_read = 0;
 };
@@ -45,7 +48,7 @@ Status read_lists(AssetReader& reader, Contents& contents) {
     contents.fixed_sets.emplace_back(name, set->nodes.size());
   }
   for (const std::string& name : reader.compliance_names())
-    if (!take(reader.read_compliance_header(name), contents.compliances.emplace_back(), status))
+    if (!take(reader.read_compliance_summary(name), contents.compliances.emplace_back(), status))
       return status;
   return {};
 }
@@ -66,6 +69,12 @@ Result<Contents> read_contents(const std::string& file) {
     return status.issue();
   contents.bytes_read = reader->bytes_read();
   return contents;
+}
+
+/// Of the variant's group; every group is listed.
+GroupCost cost_of(const Contents& c, const ComplianceSummary& summary) {
+  const auto found = std::ranges::find(c.costs, "compliance/" + summary.header.name, &GroupCost::path);
+  return found == c.costs.end() ? GroupCost{} : *found;
 }
 
 Json contents_json(const Contents& c) {
@@ -94,7 +103,12 @@ Json contents_json(const Contents& c) {
   for (const auto& [name, count] : c.fixed_sets)
     document["fixed_sets"].push_back({{"name", name}, {"node_count", count}});
   document["compliances"] = Json::array();
-  for (const auto& header : c.compliances) document["compliances"].push_back(compliance_json(header));
+  for (const ComplianceSummary& summary : c.compliances) {
+    Json compliance = compliance_json(summary.header);
+    compliance["surface_node_count"] = summary.surface_node_count;
+    compliance["storage"] = compliance_storage_json(summary, cost_of(c, summary));
+    document["compliances"].push_back(std::move(compliance));
+  }
   document["groups"] = group_costs_json(c.costs);
   document["bytes_read"] = c.bytes_read;
   return document;
@@ -141,7 +155,9 @@ std::string contents_text(const Contents& c, bool verbose) {
   text += levels_text(c) + material_text(c.material);
   for (const auto& [name, count] : c.fixed_sets)
     text += "fixed set " + name + ": " + std::to_string(count) + " nodes\n";
-  for (const auto& header : c.compliances) text += compliance_text(header) + "\n";
+  for (const ComplianceSummary& summary : c.compliances)
+    text +=
+        compliance_text(summary.header) + "\n" + compliance_storage_text(summary, cost_of(c, summary));
   text += "\n" + group_costs_text(c.costs);
   text += "content " + c.content_hash + ", input " + c.provenance.input_hash + "\n";
   return verbose ? text + "\nrecipe:\n" + c.provenance.recipe : text;

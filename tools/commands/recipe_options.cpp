@@ -17,9 +17,9 @@ void RecipeOptions::add_to(CLI::App& app, std::span<const std::string_view> keys
   }
 }
 
-Result<Recipe> RecipeOptions::recipe() const {
-  Result<Recipe> recipe = Recipe{};
-  if (!recipe_file_.empty()) recipe = read_recipe(recipe_file_);
+Result<Recipe> RecipeOptions::recipe(const Recipe& base) const {
+  Result<Recipe> recipe = base;
+  if (!recipe_file_.empty()) recipe = read_recipe(recipe_file_, base);
   if (!recipe) return recipe;
   std::vector<RecipeOverride> overrides;
   for (std::size_t i = 0; i < values_.size(); ++i)

@@ -17,8 +17,9 @@ class RecipeOptions {
  public:
   /// Options for the keys named ("tets", "size_m"), or for all of them if none is; and --recipe.
   void add_to(CLI::App& app, std::span<const std::string_view> keys = {});
-  /// The recipe's file, if one was given, under the options. Not yet checked as a whole.
-  Result<Recipe> recipe() const;
+  /// The recipe's file, if one was given, on top of `base` and under the options. Not yet checked as a
+  /// whole.
+  Result<Recipe> recipe(const Recipe& base = {}) const;
 
  private:
   std::string recipe_file_;

@@ -3,9 +3,11 @@
 #include "formats/read/validate.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/json_output.hpp"
+#include "tools/commands/deep_validation.hpp"
 
 namespace souple {
 namespace {
@@ -29,13 +31,15 @@ std::string report_text(const ValidationReport& report, const std::string& file)
          (count == 1 ? " issue\n" : " issues\n");
 }
 
-Json report_json(const ValidationReport& report, const std::string& file) {
+Json report_json(const ValidationReport& report, const std::string& file,
+                 const std::optional<std::vector<DeepResult>>& deep) {
   Json document = schema_header("validate");
   document["file"] = file;
   document["valid"] = report.valid();
   document["issues"] = Json::array();
   for (const Issue& issue : report.issues) document["issues"].push_back(issue_json(issue));
   document["suppressed_count"] = report.suppressed_count;
+  if (deep) document["deep"] = deep_json(*deep);
   document["exit_code"] = static_cast<int>(verdict(report));
   return document;
 }
@@ -45,18 +49,28 @@ Json report_json(const ValidationReport& report, const std::string& file) {
 Result<ExitCode> run_validate(const Arguments& arguments) {
   std::string file;
   std::string cap_text = "100";
+  bool is_deep = false;
   CommandLine line("validate", "Checks structure, values, checksums and the hash of the content.");
   line.app().add_option("ASSET", file, "the .souple file")->required();
   line.app().add_option("--max-issues", cap_text, "list at most so many (100)");
+  line.app().add_flag("--deep", is_deep,
+                      "also rebuild the system of every compliance and measure its errors again");
   const auto parsed = line.parse(arguments);
   if (!parsed) return parsed.issue();
   if (*parsed == ParseOutcome::help_printed) return ExitCode::ok;
   const auto cap = integer_option("--max-issues", cap_text, 1, most_issues);
   if (!cap) return cap.issue();
-  const auto report = validate_asset_file(file, {static_cast<std::size_t>(*cap)});
-  const Status printed = line.common().json    ? print_json(report_json(report, file))
-                         : line.common().quiet ? Status{}
-                                               : print_data(report_text(report, file));
+  const ValidationOptions options{static_cast<std::size_t>(*cap)};
+  ValidationReport report = validate_asset_file(file, options);
+  std::optional<std::vector<DeepResult>> deep;
+  if (is_deep && report.valid()) {
+    Console console(line.common().verbosity());
+    deep = validate_deeply(file, console, options, report);
+  }
+  const Status printed = line.common().json ? print_json(report_json(report, file, deep))
+                         : line.common().quiet
+                             ? Status{}
+                             : print_data((deep ? deep_text(*deep) : "") + report_text(report, file));
   if (!printed) return printed.issue();
   return verdict(report);
 }

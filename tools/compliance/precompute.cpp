@@ -2,14 +2,22 @@
 #include "tools/compliance/precompute.hpp"
 
 #include <algorithm>
-#include <atomic>
+#include <array>
 #include <cmath>
-#include <thread>
+#include <cstdio>
+#include <memory>
+#include <new>
+#include <numeric>
+#include <utility>
 
-#include "runtime/compliance/dense_tiled_compliance.hpp"
-#include "runtime/fem/corotational_model.hpp"
+#include "runtime/compliance/prolonged_compliance.hpp"
 #include "tools/compliance/check_support.hpp"
-#include "tools/compliance/supernodal_factor.hpp"
+#include "tools/compliance/compliance_probes.hpp"
+#include "tools/compliance/compliance_system.hpp"
+#include "tools/compliance/compress_by_solves.hpp"
+#include "tools/compliance/error_measure.hpp"
+#include "tools/compliance/hierarchical_encoder.hpp"
+#include "tools/compliance/surface_gram.hpp"
 #include "tools/compliance/tile_encoder.hpp"
 
 namespace souple {
@@ -17,204 +25,355 @@ namespace {
 
 // Tiles of 64 nodes: 147 KB in single precision, a chunk that a reader fetches at once.
 constexpr Index largest_tile_nodes = 64;
-// A column of A0 C0 further from the identity than this is refused; a sound mesh gives 1e-12.
-constexpr double largest_residual = 1e-6;
-constexpr std::size_t worker_count = 2;
+// Residuals and errors of the dense form, exact to its scalars; a sound mesh gives 1e-12.
+constexpr double largest_error = 1e-6;
+// Single precision is not tried below this tolerance.
+constexpr double least_single_tolerance = 1e-4;
+// What the computed matrix may take of a tolerance: the rest is for the compression. Where single
+// precision takes more, double is tried.
+constexpr double largest_share = 1.0 / 16;
 
-/// What the columns are solved for and where they go.
-struct Task {
-  const BlockMatrix* a0 = nullptr;
-  std::vector<Index> free_nodes;  ///< of the mesh, ascending: the unknowns
-  std::vector<Index> unknown;     ///< of every mesh node, -1 if fixed
-  std::vector<Index> surface;     ///< nodes of the compliance, ascending
-  TileLayout layout;
-  std::vector<double> tiles;          ///< result: the lower triangle
-  std::vector<double> tile_residual;  ///< worst column of every tile column
+std::string scientific(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.2g", value);
+  return text.data();
+}
+
+using Progress = std::function<void(double)>;
+
+/// Part [begin, end] of a whole that is reported to `whole`, and never falls back.
+class ProgressParts {
+ public:
+  explicit ProgressParts(Progress whole) : whole_(std::move(whole)) {}
+  Progress part(double begin, double end) {
+    if (!whole_) return {};
+    return [this, begin, end](double fraction) {
+      last_ = std::max(last_, begin + (end - begin) * std::clamp(fraction, 0.0, 1.0));
+      whole_(last_);
+    };
+  }
+
+ private:
+  Progress whole_;
+  double last_ = 0;
 };
 
-Task make_task(const MeshLevel& level, const FixedSet* fixed, const BlockMatrix& a0) {
-  Task task;
-  task.a0 = &a0;
-  task.unknown.assign(level.mesh.nodes.size(), 0);
-  if (fixed)
-    for (const Index node : fixed->nodes) task.unknown[std::size_t(node)] = -1;
-  for (std::size_t node = 0; node < task.unknown.size(); ++node) {
-    if (task.unknown[node] < 0) continue;
-    task.unknown[node] = Index(task.free_nodes.size());
-    task.free_nodes.push_back(Index(node));
-  }
-  for (const Index node : used_nodes(level.boundary))
-    if (task.unknown[std::size_t(node)] >= 0) task.surface.push_back(node);
-  const auto count = Index(task.surface.size());
-  task.layout = {count, std::min(count, largest_tile_nodes)};
-  return task;
-}
+/// A compliance in memory, with what measures it.
+struct Dense {
+  std::unique_ptr<const SymmetricSource> source;
+  ComplianceProduct product;
+  ComplianceError error;  ///< against solves in double: estimates
+};
 
-// max over columns of ||A0 x - e||_2, A0 restricted to the free nodes.
-double worst_residual(const Task& task, std::span<const double> solution, Index first_node,
-                      Index node_count) {
-  const BlockPattern& pattern = *task.a0->pattern;
-  const std::size_t size = 3 * task.free_nodes.size();
-  double worst = 0;
-  for (Index c = 0; c < 3 * node_count; ++c) {
-    const double* x = solution.data() + std::size_t(c) * size;
-    const Index source = task.surface[std::size_t(first_node + c / 3)];
-    double norm2 = 0;
-    for (const Index node : task.free_nodes) {
-      Vec3 sum = Vec3::Zero();
-      for (Index b = pattern.row_begin[node]; b < pattern.row_begin[node + 1]; ++b) {
-        const Index other = task.unknown[std::size_t(pattern.column[b])];
-        if (other >= 0) sum.noalias() += task.a0->block(b) * Eigen::Map<const Vec3>(x + 3 * other);
-      }
-      if (node == source) sum[c % 3] -= 1;
-      norm2 += sum.squaredNorm();
+class Precompute {
+ public:
+  Precompute(const CompliancePrecomputeOptions& options, const CompliancePrecomputeSettings& settings)
+      : options_(options), settings_(settings), progress_(settings.progress) {}
+
+  Result<ComplianceVariant> run(const MeshLevel& level, const MeshLevel* coarser,
+                                const Material& material, const FixedSet* fixed) {
+    if (auto status = make_header(material, fixed); !status) return status.issue();
+    if (options_.kind == ComplianceKind::static_equilibrium) {
+      if (fixed)
+        if (auto status = check_fixed_set(*fixed, level.mesh.nodes.size()); !status)
+          return status.issue();
+      if (auto status = check_static_support(level.mesh, fixed); !status) return status.issue();
     }
-    worst = std::max(worst, norm2);
+    auto system = build_system(level, material, fixed, options_.nodes, header_.mass_factor,
+                               header_.stiffness_factor);
+    if (!system) return system.issue();
+    if (options_.coarsening == 0) return compute(*system);
+    if (!coarser)
+      return make_issue(IssueCode::recipe_needs_coarser_level, "there is no level below the finest",
+                        options_.name);
+    return compute_coarse(*system, level, *coarser);
   }
-  return std::sqrt(worst);
-}
 
-// The rows of tiles (i, column), i >= column, from the solutions of one tile's columns.
-void store_tiles(Task& task, std::span<const double> solution, std::int64_t column) {
-  const std::int64_t t = task.layout.tile_nodes, n = task.layout.node_count;
-  const std::size_t size = 3 * task.free_nodes.size();
-  const std::int64_t columns = 3 * std::min(t, n - column * t);
-  for (std::int64_t row = column * t; row < n; ++row) {
-    const auto unknown = std::size_t(task.unknown[std::size_t(task.surface[std::size_t(row)])]);
-    double* tile = task.tiles.data() +
-                   TileLayout::block_index(row / t, column) * task.layout.block_scalars() +
-                   9 * (row % t) * t;
-    for (std::int64_t c = 0; c < columns; ++c)
-      for (int k = 0; k < 3; ++k)
-        tile[k * 3 * t + c] = solution[std::size_t(c) * size + 3 * unknown + std::size_t(k)];
+ private:
+  Status make_header(const Material& material, const FixedSet* fixed) {
+    const auto refuse = [&](const std::string& what) {
+      return Status(make_issue(IssueCode::config_bad_value, what, options_.name));
+    };
+    if (!(options_.tolerance >= 0 && options_.tolerance <= 0.5))
+      return refuse("tolerance " + std::to_string(options_.tolerance) + " is outside [0, 0.5]");
+    if (options_.tolerance == 0 && settings_.way == ComplianceWay::by_solves)
+      return refuse("solves give the compressed form, which needs a tolerance above 0");
+    if (options_.coarsening < 0 || options_.coarsening > 1)
+      return refuse("coarsening " + std::to_string(options_.coarsening) + " is neither 0 nor 1");
+    header_.name = options_.name;
+    header_.kind = options_.kind;
+    header_.fixed_set = fixed ? fixed->name : "";
+    header_.scalar = options_.scalar;
+    header_.tolerance_asked = options_.tolerance;
+    header_.error_norm = options_.norm;
+    header_.coarsening = options_.coarsening;
+    if (options_.kind == ComplianceKind::static_equilibrium) return {};
+    const double h = options_.time_step_s;
+    if (!(h >= 1e-7 && h <= 10))
+      return make_issue(IssueCode::material_out_of_range,
+                        "time step " + std::to_string(h) + " s is outside [1e-7, 10]", options_.name);
+    header_.time_step_s = h;
+    header_.mass_factor = 1 / (h * h) + material.rayleigh_mass_per_s / h;
+    header_.stiffness_factor = 1 + material.rayleigh_stiffness_s / h;
+    return {};
   }
-  double* diagonal =
-      task.tiles.data() + TileLayout::block_index(column, column) * task.layout.block_scalars();
-  for (std::int64_t i = 0; i < 3 * t; ++i)
-    for (std::int64_t j = 0; j < i; ++j) {
-      const double mean = 0.5 * (diagonal[i * 3 * t + j] + diagonal[j * 3 * t + i]);
-      diagonal[i * 3 * t + j] = diagonal[j * 3 * t + i] = mean;
+
+  Result<ComplianceVariant> compute(const ComplianceSystem& system) {
+    if (settings_.way == ComplianceWay::by_solves) return by_solves(system);
+    auto variant = densely(system);
+    const bool too_large = !variant.ok() && variant.issue().code == IssueCode::compliance_out_of_memory;
+    if (too_large && settings_.way == ComplianceWay::automatic && options_.tolerance > 0)
+      return by_solves(system);
+    return variant;
+  }
+
+  // Before the factorisation, which may take long: the matrix alone has to fit.
+  Status check_memory(const ComplianceSystem& system, std::size_t scalar_bytes) const {
+    const double rows = 3.0 * double(system.nodes.size());
+    const double stored = options_.tolerance > 0 ? 0 : options_.scalar == ScalarType::float32 ? 4 : 8;
+    const double needed = rows * rows / 2 * (double(scalar_bytes) + stored);
+    if (needed <= double(settings_.memory_limit_bytes)) return {};
+    return make_issue(IssueCode::compliance_out_of_memory,
+                      std::to_string(system.nodes.size()) + " surface nodes need more than " +
+                          std::to_string(std::llround(needed / 1e6)) + " MB, allowed are " +
+                          std::to_string(settings_.memory_limit_bytes / 1000000) + " MB",
+                      options_.name);
+  }
+
+  bool single_may_do() const { return options_.tolerance >= least_single_tolerance; }
+
+  Result<ComplianceVariant> densely(const ComplianceSystem& system) {
+    if (auto status = check_memory(system, single_may_do() ? 4 : 8); !status) return status.issue();
+    auto factor = factorise(system, progress_.part(0, 0.15));
+    if (!factor) return factor.issue();
+    auto dense = invert(system, *factor);
+    if (!dense) return dense.issue();
+    header_.error = dense->error;
+    return options_.tolerance > 0 ? store_compressed(system, *dense) : store_tiles(system, *dense);
+  }
+
+  Result<SupernodalFactor> factorise(const ComplianceSystem& system, Progress progress) const {
+    auto factor = SupernodalFactor::create(
+        *system.a0, system.free_nodes,
+        {settings_.memory_limit_bytes, settings_.threads, std::move(progress), settings_.cancelled});
+    if (factor || factor.issue().code != IssueCode::compliance_factorisation_failed) return factor;
+    Issue issue = factor.issue();
+    issue.where = system.worst_element;
+    return issue;
+  }
+
+  template <class Scalar>
+  Result<Dense> gram(const ComplianceSystem& system, const SupernodalFactor& factor) {
+    auto made = SurfaceGram<Scalar>::create(factor, system.chosen,
+                                            {settings_.threads, settings_.memory_limit_bytes,
+                                             progress_.part(0.15, 0.6), settings_.cancelled});
+    if (!made) return made.issue();
+    const SurfaceGram<Scalar>* source = made->get();
+    Dense dense;
+    dense.product = [source, threads = settings_.threads](const Eigen::MatrixXd& x,
+                                                          Eigen::MatrixXd& y) {
+      source->multiply(x, y, threads);
+    };
+    dense.source = std::move(*made);
+    auto error = probe_compliance(system, factor, *dense.source, dense.product);
+    if (!error) return error.issue();
+    dense.error = *error;
+    return dense;
+  }
+
+  double allowed_error() const { return std::max(largest_error, largest_share * options_.tolerance); }
+  bool is_good(const Dense& dense) const {
+    return dense.error.solve_residual <= allowed_error() &&
+           error_in(dense.error, options_.norm) <= allowed_error();
+  }
+
+  // Single precision where its measured error allows it.
+  Result<Dense> invert(const ComplianceSystem& system, const SupernodalFactor& factor) {
+    if (single_may_do()) {
+      auto dense = gram<float>(system, factor);
+      if (!dense || is_good(*dense)) return dense;
     }
-}
-
-bool solve_tile_column(Task& task, const SupernodalFactor& factor,
-                       SupernodalFactor::Workspace& workspace, std::int64_t column) {
-  const Index t = task.layout.tile_nodes;
-  const Index first = Index(column) * t, count = std::min(t, task.layout.node_count - first);
-  const auto right_sides = workspace.right_sides();
-  if (right_sides.empty()) return false;
-  std::fill_n(right_sides.begin(), factor.size() * 3 * std::size_t(count), 0.0);
-  for (Index c = 0; c < 3 * count; ++c) {
-    const Index unknown = task.unknown[std::size_t(task.surface[std::size_t(first + c / 3)])];
-    right_sides[std::size_t(c) * factor.size() + 3 * std::size_t(unknown) + std::size_t(c % 3)] = 1;
+    auto dense = gram<double>(system, factor);
+    if (!dense || is_good(*dense)) return dense;
+    return make_issue(IssueCode::compliance_residual_too_large,
+                      "A0 C is " + scientific(dense->error.solve_residual) +
+                          " from the identity, C is " +
+                          scientific(error_in(dense->error, options_.norm)) + " from A0^-1",
+                      system.worst_element);
   }
-  const auto solution = factor.solve(workspace, 3 * std::size_t(count));
-  if (solution.empty()) return false;
-  task.tile_residual[std::size_t(column)] = worst_residual(task, solution, first, count);
-  store_tiles(task, solution, column);
-  return true;
-}
 
-// Tile columns are independent, so the bits do not depend on which thread takes which.
-bool solve_all(Task& task, const SupernodalFactor& factor,
-               const std::function<void(double)>& progress) {
-  const std::int64_t tile_count = task.layout.tile_count();
-  std::atomic<std::int64_t> next{0}, done{0};
-  std::atomic<bool> ok{true};
-  const auto work = [&](bool reports) {
-    SupernodalFactor::Workspace workspace(factor, 3 * std::size_t(task.layout.tile_nodes));
-    for (std::int64_t column; ok && (column = next++) < tile_count;) {
-      if (!solve_tile_column(task, factor, workspace, column)) ok = false;
-      // Column j of the lower triangle stores tile_count - j tiles, but costs one solve like any other.
-      const double fraction = double(++done) / double(tile_count);
-      if (reports && progress) progress(fraction);
+  ComplianceVariant variant_of(const ComplianceSystem& system) {
+    ComplianceVariant variant;
+    header_.node_count = std::int64_t(system.nodes.size());
+    variant.header = header_;
+    variant.nodes = system.nodes;
+    return variant;
+  }
+
+  // The computed matrix is the truth that the scalars are measured against: its own error hides far
+  // below theirs, or it would have been refused.
+  ComplianceVariant store_tiles(const ComplianceSystem& system, const Dense& dense) {
+    const auto count = Index(system.nodes.size());
+    const TileLayout layout{count, std::min(count, largest_tile_nodes)};
+    header_.error = {.solve_residual = dense.error.solve_residual};
+    header_.representation = ComplianceRepresentation::dense_tiled;
+    header_.tile_nodes = layout.tile_nodes;
+    header_.block_count = layout.block_count();
+    header_.block_scalars = layout.block_scalars();
+    auto payload = encode_tiles(*dense.source, layout, header_.scalar, header_.error);
+    ComplianceVariant variant = variant_of(system);
+    variant.payload = std::move(payload);
+    return variant;
+  }
+
+  EncodeOptions encode_options(double own_error) {
+    EncodeOptions encode;
+    encode.tolerance = options_.tolerance - own_error;
+    encode.norm = options_.norm;
+    encode.threads = settings_.threads;
+    encode.progress = progress_.part(0.65, 1);
+    return encode;
+  }
+
+  ComplianceVariant store_encoded(const ComplianceSystem& system, EncodedCompliance encoded) {
+    header_.representation = ComplianceRepresentation::hierarchical;
+    header_.scalar = ScalarType::float32;
+    header_.shift = encoded.shift;
+    header_.error.scaled_spectral += encoded.error.scaled_spectral;
+    header_.error.frobenius += encoded.error.frobenius;
+    header_.error.worst_column += encoded.error.worst_column;
+    header_.block_count = std::int64_t(encoded.index.leaf_step.size());
+    ComplianceVariant variant = variant_of(system);
+    variant.hierarchy = std::move(encoded.index);
+    variant.payload = std::move(encoded.payload);
+    return variant;
+  }
+
+  // Finer than low-rank terms in single precision resolve (about 1e-5), plain scalars hold it.
+  Result<ComplianceVariant> store_compressed(const ComplianceSystem& system, const Dense& dense) {
+    auto variant = store_hierarchical(system, dense);
+    if (variant || variant.issue().code != IssueCode::compliance_tolerance_missed) return variant;
+    header_.scalar = ScalarType::float32;
+    auto tiles = store_tiles(system, dense);
+    if (error_in(tiles.header.error, options_.norm) <= options_.tolerance) return tiles;
+    header_.scalar = ScalarType::float64;
+    return store_tiles(system, dense);
+  }
+
+  Result<ComplianceVariant> store_hierarchical(const ComplianceSystem& system, const Dense& dense) {
+    if (cancelled()) return interrupted();
+    const EncodeOptions encode = encode_options(error_in(dense.error, options_.norm));
+    auto matrix = compress_dense(*dense.source, system.positions, encode);
+    if (!matrix) return matrix.issue();
+    if (cancelled()) return interrupted();
+    auto encoded = encode_hierarchical(*matrix, *dense.source, encode);
+    if (!encoded) return encoded.issue();
+    return store_encoded(system, std::move(*encoded));
+  }
+
+  // The sampled form keeps to its share of the tolerance on the bodies that it was tuned on; where it
+  // does not, it is sampled again more closely.
+  Result<ComplianceVariant> by_solves(const ComplianceSystem& system) {
+    Result<ComplianceVariant> variant = sampled(system, options_.tolerance);
+    for (const double share : {0.5, 0.25}) {
+      if (variant || variant.issue().code != IssueCode::compliance_tolerance_missed) break;
+      variant = sampled(system, share * options_.tolerance);
     }
-  };
-  std::vector<std::jthread> helpers;
-  for (std::size_t k = 1; k < worker_count; ++k) helpers.emplace_back(work, false);
-  work(true);
-  helpers.clear();
-  return ok;
-}
+    return variant;
+  }
 
-Status check_memory(const Task& task, ScalarType scalar, std::size_t limit) {
-  const double scalars = double(task.layout.block_count()) * double(task.layout.block_scalars());
-  const double solves = double(worker_count) * 4 * double(3 * task.free_nodes.size()) *
-                        double(3 * task.layout.tile_nodes) * sizeof(double);
-  const double needed = scalars * (sizeof(double) + (scalar == ScalarType::float32 ? 4 : 8)) + solves;
-  if (needed <= double(limit)) return {};
-  return make_issue(IssueCode::compliance_out_of_memory,
-                    std::to_string(task.surface.size()) + " surface nodes need " +
-                        std::to_string(std::llround(needed / 1e6)) + " MB, allowed are " +
-                        std::to_string(limit / 1000000) + " MB");
-}
+  Result<ComplianceVariant> sampled(const ComplianceSystem& system, double tolerance) {
+    SolveCompressionOptions options;
+    options.tolerance = tolerance;
+    options.norm = options_.norm;
+    options.threads = settings_.threads;
+    options.memory_limit_bytes = settings_.memory_limit_bytes;
+    options.progress = progress_.part(0, 0.65);
+    options.cancelled = settings_.cancelled;
+    auto compressed =
+        compress_by_solves(*system.a0, system.free_nodes, system.nodes, system.positions, options);
+    if (!compressed) {
+      Issue issue = compressed.issue();
+      if (issue.where.empty() && issue.code == IssueCode::compliance_factorisation_failed)
+        issue.where = system.worst_element;
+      return issue;
+    }
+    if (auto status = check_solves(system, *compressed->exact); !status) return status.issue();
+    if (cancelled()) return interrupted();
+    auto encoded = encode_hierarchical(compressed->matrix, *compressed->exact, encode_options(0));
+    if (!encoded) return encoded.issue();
+    return store_encoded(system, std::move(*encoded));
+  }
 
-Result<ComplianceHeader> make_header(const CompliancePrecomputeOptions& options,
-                                     const Material& material, const FixedSet* fixed) {
-  ComplianceHeader header;
-  header.name = options.name;
-  header.kind = options.kind;
-  header.fixed_set = fixed ? fixed->name : "";
-  header.scalar = options.scalar;
-  if (options.kind == ComplianceKind::static_equilibrium) return header;
-  const double h = options.time_step_s;
-  if (!(h >= 1e-7 && h <= 10))
-    return make_issue(IssueCode::material_out_of_range,
-                      "time step " + std::to_string(h) + " s is outside [1e-7, 10]", options.name);
-  header.time_step_s = h;
-  header.mass_factor = 1 / (h * h) + material.rayleigh_mass_per_s / h;
-  header.stiffness_factor = 1 + material.rayleigh_stiffness_s / h;
-  return header;
-}
+  Status check_solves(const ComplianceSystem& system, const SymmetricOperator& exact) {
+    header_.error = {};
+    if (const auto* solves = dynamic_cast<const SurfaceInverse*>(&exact))
+      header_.error.solve_residual = probe_solves(*solves);
+    if (header_.error.solve_residual <= allowed_error()) return {};
+    return make_issue(IssueCode::compliance_residual_too_large,
+                      "solves leave a residual of " + scientific(header_.error.solve_residual),
+                      system.worst_element);
+  }
+
+  /// The coarse compliance as the variant stores it, its error measured against the fine one: that is
+  /// what the coarser mesh cannot follow, and no tolerance bounds it.
+  Result<ComplianceVariant> compute_coarse(const ComplianceSystem& fine, const MeshLevel& level,
+                                           const MeshLevel& coarser) {
+    auto coarse = build_coarse_system(fine, level, coarser);
+    if (!coarse) return coarse.issue();
+    auto variant = compute(coarse->system);
+    if (!variant) return variant;
+    variant->nodes = fine.nodes;
+    variant->prolongation = std::move(coarse->prolongation);
+    if (auto status = measure_coarse(fine, *variant); !status) return status.issue();
+    return variant;
+  }
+
+  Status measure_coarse(const ComplianceSystem& fine, ComplianceVariant& variant) {
+    auto factor = factorise(fine, {});
+    if (!factor) return factor.issue();
+    auto exact = gram<float>(fine, *factor);
+    if (!exact) return exact.issue();
+    auto stored = open_stored(variant);
+    if (!stored) return stored.issue();
+    measure_stored(*exact->source, **stored, exact->product, variant.header.error);
+    return {};
+  }
+
+  static Result<std::unique_ptr<const RestCompliance>> open_stored(const ComplianceVariant& variant) {
+    const ComplianceHeader& header = variant.header;
+    const std::size_t scalar_bytes = header.scalar == ScalarType::float32 ? 4 : 8;
+    auto blocks =
+        header.representation == ComplianceRepresentation::dense_tiled
+            ? std::make_unique<MemoryBlockSource>(variant.payload,
+                                                  std::size_t(header.block_scalars) * scalar_bytes)
+            : std::make_unique<MemoryBlockSource>(variant.payload, variant.hierarchy.record_begin);
+    auto rest = open_rest_compliance(header, variant.hierarchy, std::move(blocks));
+    if (!rest) return rest;
+    return ProlongedCompliance::create(std::move(*rest), variant.prolongation, header.name);
+  }
+
+  bool cancelled() const { return settings_.cancelled && settings_.cancelled(); }
+  Issue interrupted() const {
+    return make_issue(IssueCode::interrupted, "the compliance was stopped", options_.name);
+  }
+
+  const CompliancePrecomputeOptions& options_;
+  const CompliancePrecomputeSettings& settings_;
+  ProgressParts progress_;
+  ComplianceHeader header_;
+};
 
 }  // namespace
 
-Result<ComplianceVariant> precompute_compliance(const MeshLevel& level, const Material& material,
-                                                const FixedSet* fixed,
-                                                const CompliancePrecomputeOptions& options) {
-  auto header = make_header(options, material, fixed);
-  if (!header) return header.issue();
-  auto model = CorotationalModel::create(level.mesh, material);
-  if (!model) return model.issue();
-  if (fixed)
-    if (auto status = check_fixed_set(*fixed, level.mesh.nodes.size()); !status) return status.issue();
-  if (options.kind == ComplianceKind::static_equilibrium)
-    if (auto status = check_static_support(level.mesh, fixed); !status) return status.issue();
-
-  BlockMatrix a0(model->pattern());
-  model->assemble_rest(header->mass_factor, header->stiffness_factor, a0);
-  Task task = make_task(level, fixed, a0);
-  if (task.surface.empty())
-    return make_issue(IssueCode::fixed_set_invalid, "no surface node is left to move", options.name);
-  if (auto status = check_memory(task, options.scalar, options.memory_limit_bytes); !status)
-    return status.issue();
-  const std::string worst_element = "worst element: tet " + std::to_string(model->worst_element());
-  auto factor = SupernodalFactor::create(a0, task.free_nodes, options.memory_limit_bytes);
-  if (!factor) {
-    Issue issue = factor.issue();
-    issue.where = worst_element;
-    return issue;
-  }
-  task.tiles.assign(std::size_t(task.layout.block_count() * task.layout.block_scalars()), 0.0);
-  task.tile_residual.assign(std::size_t(task.layout.tile_count()), 0.0);
-  if (!solve_all(task, *factor, options.progress))
-    return make_issue(IssueCode::compliance_out_of_memory, "the solves ran out of memory");
-
-  header->error.solve_residual = *std::ranges::max_element(task.tile_residual);
-  if (!(header->error.solve_residual <= largest_residual))
-    return make_issue(
-        IssueCode::compliance_residual_too_large,
-        "a column of A0 C0 is " + std::to_string(header->error.solve_residual) + " from the identity",
-        worst_element);
-  header->node_count = task.layout.node_count;
-  header->tile_nodes = task.layout.tile_nodes;
-  header->block_count = task.layout.block_count();
-  header->block_scalars = task.layout.block_scalars();
-  ComplianceVariant variant;
-  variant.payload = encode_tiles(task.tiles, task.layout, options.scalar, header->error);
-  variant.header = std::move(*header);
-  variant.nodes = std::move(task.surface);
-  return variant;
+Result<ComplianceVariant> precompute_compliance(const MeshLevel& level, const MeshLevel* coarser,
+                                                const Material& material, const FixedSet* fixed,
+                                                const CompliancePrecomputeOptions& options,
+                                                const CompliancePrecomputeSettings& settings) try {
+  return Precompute(options, settings).run(level, coarser, material, fixed);
+} catch (const std::bad_alloc&) {
+  return make_issue(IssueCode::compliance_out_of_memory, "the memory of the machine ran out",
+                    options.name);
 }
 
 }  // namespace souple

@@ -4,14 +4,19 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <cmath>
+#include <string>
+#include <type_traits>
 #include <vector>
 
-// OpenBLAS threads under contention make supernodal solves many times slower, and their sums depend on
-// the thread count: the parallelism is over independent right sides instead.
-extern "C" void openblas_set_num_threads(int count);
+#include "tools/compliance/blas_calls.hpp"
+#include "tools/compliance/multifrontal.hpp"
 
 namespace souple {
 namespace {
+
+using Long = SuiteSparse_long;
+static_assert(std::is_same_v<Long, std::int64_t>);
 
 /// One cholmod_common: settings and memory counts of one thread.
 struct Session {
@@ -19,57 +24,88 @@ struct Session {
   Session() {
     cholmod_l_start(&common);
     common.print = 0;
-    common.supernodal = CHOLMOD_SUPERNODAL;
-    common.final_ll = 1;
-    openblas_set_num_threads(1);
+    blas::use_one_thread_per_call();
   }
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
   ~Session() { cholmod_l_finish(&common); }
 };
 
-/// The lower triangle of the chosen part, by columns.
-struct LowerTriangle {
-  std::vector<SuiteSparse_long> begin{0}, row;
-  std::vector<double> value;
+/// Where the lower triangle of the chosen part may be non-zero, by columns, for nodes of `width`
+/// scalars.
+struct LowerPattern {
+  std::vector<Long> begin{0}, row;
+  cholmod_sparse view() {
+    cholmod_sparse sparse{};
+    sparse.nrow = sparse.ncol = begin.size() - 1;
+    sparse.nzmax = row.size();
+    sparse.p = begin.data();
+    sparse.i = row.data();
+    sparse.stype = -1;
+    sparse.itype = CHOLMOD_LONG;
+    sparse.xtype = CHOLMOD_PATTERN;
+    sparse.dtype = CHOLMOD_DOUBLE;
+    sparse.sorted = 1;
+    sparse.packed = 1;
+    return sparse;
+  }
 };
 
-// A is symmetric: the lower triangle by columns is read from the rows of its upper triangle.
-LowerTriangle lower_triangle(const BlockMatrix& a, std::span<const Index> nodes) {
-  const BlockPattern& pattern = *a.pattern;
+LowerPattern lower_pattern(const BlockPattern& pattern, std::span<const Index> nodes, Long width) {
   std::vector<Index> local(std::size_t(pattern.node_count()), -1);
   for (std::size_t k = 0; k < nodes.size(); ++k) local[std::size_t(nodes[k])] = Index(k);
-  LowerTriangle lower;
+  LowerPattern lower;
   for (std::size_t k = 0; k < nodes.size(); ++k)
-    for (int c = 0; c < 3; ++c) {
-      const SuiteSparse_long column = 3 * SuiteSparse_long(k) + c;
-      for (Index b = pattern.row_begin[nodes[k]]; b < pattern.row_begin[nodes[k] + 1]; ++b)
-        for (int r = 0; r < 3; ++r) {
-          const Index other = local[std::size_t(pattern.column[b])];
-          const SuiteSparse_long row = 3 * SuiteSparse_long(other) + r;
-          if (other < 0 || row < column) continue;
+    for (Long column = width * Long(k); column < width * Long(k + 1); ++column) {
+      for (Index b = pattern.row_begin[std::size_t(nodes[k])];
+           b < pattern.row_begin[std::size_t(nodes[k]) + 1]; ++b) {
+        const Long other = local[std::size_t(pattern.column[std::size_t(b)])];
+        if (other < 0) continue;
+        for (Long row = std::max(column, width * other); row < width * (other + 1); ++row)
           lower.row.push_back(row);
-          lower.value.push_back(a.block(b)(c, r));
-        }
-      lower.begin.push_back(SuiteSparse_long(lower.row.size()));
+      }
+      lower.begin.push_back(Long(lower.row.size()));
     }
   return lower;
 }
 
-cholmod_sparse sparse_view(LowerTriangle& lower) {
-  cholmod_sparse view{};
-  view.nrow = view.ncol = lower.begin.size() - 1;
-  view.nzmax = lower.row.size();
-  view.p = lower.begin.data();
-  view.i = lower.row.data();
-  view.x = lower.value.data();
-  view.stype = -1;
-  view.itype = CHOLMOD_LONG;
-  view.xtype = CHOLMOD_REAL;
-  view.dtype = CHOLMOD_DOUBLE;
-  view.sorted = 1;
-  view.packed = 1;
-  return view;
+Issue out_of_memory(const std::string& what) {
+  return make_issue(IssueCode::compliance_out_of_memory, what);
+}
+
+// Nested dissection of whole nodes rather than scalars: a ninth of the graph, and the three scalars of
+// a node stay together. In postorder.
+Result<std::vector<Index>> order_nodes(const BlockPattern& pattern, std::span<const Index> nodes,
+                                       cholmod_common& common) {
+  LowerPattern lower = lower_pattern(pattern, nodes, 1);
+  cholmod_sparse view = lower.view();
+  common.supernodal = CHOLMOD_SIMPLICIAL;
+  common.postorder = 1;
+  common.nmethods = 2;  // the one with less fill
+  common.method[0].ordering = CHOLMOD_METIS;
+  common.method[1].ordering = CHOLMOD_AMD;
+  cholmod_factor* factor = cholmod_l_analyze(&view, &common);
+  if (!factor) return out_of_memory("the ordering of the system ran out of memory");
+  const auto* place = static_cast<const Long*>(factor->Perm);
+  std::vector<Index> order(place, place + factor->n);
+  cholmod_l_free_factor(&factor, &common);
+  return order;
+}
+
+// The supernodes of that order, and memory for their values.
+cholmod_factor* analyse_supernodes(const BlockPattern& pattern, std::span<const Index> nodes,
+                                   std::span<const Index> order, cholmod_common& common) {
+  LowerPattern lower = lower_pattern(pattern, nodes, 3);
+  cholmod_sparse view = lower.view();
+  std::vector<Long> scalar_order;
+  for (const Index node : order)
+    for (Long c = 0; c < 3; ++c) scalar_order.push_back(3 * Long(node) + c);
+  common.supernodal = CHOLMOD_SUPERNODAL;
+  common.final_ll = 1;
+  common.postorder = 0;  // it is in postorder
+  common.nmethods = 1;
+  common.method[0].ordering = CHOLMOD_GIVEN;
+  return cholmod_l_analyze_p(&view, scalar_order.data(), nullptr, 0, &common);
 }
 
 }  // namespace
@@ -77,7 +113,23 @@ cholmod_sparse sparse_view(LowerTriangle& lower) {
 struct SupernodalFactor::State {
   Session session;
   cholmod_factor* factor = nullptr;
+  std::vector<Index> order;                    ///< local node at every place
+  std::vector<std::int64_t> position_of_node;  ///< [nodes]
   ~State() { cholmod_l_free_factor(&factor, &session.common); }
+
+  double* values() const { return static_cast<double*>(factor->x); }
+  SupernodeView view() const {
+    const auto longs = [](const void* data, std::size_t count) {
+      return std::span(static_cast<const std::int64_t*>(data), count);
+    };
+    const std::size_t count = factor->nsuper;
+    return {position_of_node,
+            longs(factor->super, count + 1),
+            longs(factor->pi, count + 1),
+            longs(factor->s, factor->ssize),
+            longs(factor->px, count + 1),
+            {values(), values() ? factor->xsize : 0}};
+  }
 };
 
 struct SupernodalFactor::Workspace::State {
@@ -96,30 +148,38 @@ SupernodalFactor& SupernodalFactor::operator=(SupernodalFactor&&) noexcept = def
 SupernodalFactor::~SupernodalFactor() = default;
 
 Result<SupernodalFactor> SupernodalFactor::create(const BlockMatrix& a, std::span<const Index> nodes,
-                                                  std::size_t memory_limit_bytes) {
+                                                  const FactorOptions& options) {
   auto state = std::make_unique<State>();
-  LowerTriangle lower = lower_triangle(a, nodes);
-  cholmod_sparse view = sparse_view(lower);
   cholmod_common& common = state->session.common;
-  state->factor = cholmod_l_analyze(&view, &common);
-  if (!state->factor || common.status == CHOLMOD_OUT_OF_MEMORY)
-    return make_issue(IssueCode::compliance_out_of_memory,
-                      "the analysis of the system ran out of memory");
-  const double needed = common.lnz * sizeof(double);
-  if (needed > double(memory_limit_bytes))
-    return make_issue(IssueCode::compliance_out_of_memory,
-                      "the factor needs " + std::to_string(needed / 1e6) + " MB, allowed are " +
-                          std::to_string(double(memory_limit_bytes) / 1e6) + " MB");
-  cholmod_l_factorize(&view, state->factor, &common);
-  if (common.status == CHOLMOD_OUT_OF_MEMORY)
-    return make_issue(IssueCode::compliance_out_of_memory, "the factorisation ran out of memory");
-  if (common.status != CHOLMOD_OK || state->factor->minor != state->factor->n)
-    return make_issue(IssueCode::compliance_factorisation_failed,
-                      "the system matrix is not positive definite");
+  auto order = order_nodes(*a.pattern, nodes, common);
+  if (!order) return order.issue();
+  state->order = std::move(*order);
+  state->factor = analyse_supernodes(*a.pattern, nodes, state->order, common);
+  if (!state->factor || !state->factor->is_super)
+    return out_of_memory("the analysis of the system ran out of memory");
+  state->position_of_node.resize(nodes.size());
+  std::vector<std::int64_t> position(std::size_t(a.pattern->node_count()), -1);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const auto node = std::size_t(state->order[k]);
+    state->position_of_node[node] = position[std::size_t(nodes[node])] = 3 * std::int64_t(k);
+  }
+  const double needed = double(state->factor->xsize) * sizeof(double) +
+                        multifrontal_bytes(state->view(), options.threads);
+  if (needed > double(options.memory_limit_bytes))
+    return out_of_memory("the factorisation needs " + std::to_string(std::llround(needed / 1e6)) +
+                         " MB, allowed are " + std::to_string(options.memory_limit_bytes / 1000000) +
+                         " MB");
+  if (!cholmod_l_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, state->factor, &common))
+    return out_of_memory("the factorisation ran out of memory");
+  const Status done = factorise({&a, nodes, state->order, position}, state->view(),
+                                {state->values(), state->factor->xsize}, options);
+  if (!done) return done.issue();
   return SupernodalFactor(std::move(state));
 }
 
 std::size_t SupernodalFactor::size() const { return state_->factor->n; }
+
+SupernodeView SupernodalFactor::view() const { return state_->view(); }
 
 std::size_t SupernodalFactor::bytes() const { return state_->factor->xsize * sizeof(double); }
 

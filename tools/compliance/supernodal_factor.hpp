@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -9,19 +11,51 @@
 
 namespace souple {
 
-/// Supernodal Cholesky factor (CHOLMOD) of the part of a block matrix on chosen nodes. Solves from
-/// several threads at once are safe, each with a workspace of its own.
+/// The factor L of P A P^T = L L^T, supernode by supernode in postorder: the columns of supernode s are
+/// [first_column[s], first_column[s + 1]); its rows, own columns first and then those below in
+/// ascending order, are row[row_begin[s]] to row[row_begin[s + 1] - 1]; its values stand at
+/// value[value_begin[s]], column-major, with as many rows as that (above the diagonal: anything).
+/// Positions count scalars in elimination order; the three of a node stay together.
+struct SupernodeView {
+  std::span<const std::int64_t> position_of_node;  ///< [nodes] where the node's first scalar stands
+  std::span<const std::int64_t> first_column;      ///< [supernodes + 1]
+  std::span<const std::int64_t> row_begin;         ///< [supernodes + 1]
+  std::span<const std::int64_t> row;
+  std::span<const std::int64_t> value_begin;  ///< [supernodes + 1]
+  std::span<const double> value;
+
+  std::size_t count() const { return first_column.size() - 1; }
+  std::int64_t columns(std::size_t s) const { return first_column[s + 1] - first_column[s]; }
+  std::int64_t rows(std::size_t s) const { return row_begin[s + 1] - row_begin[s]; }
+  /// Rows below the own columns.
+  std::span<const std::int64_t> below(std::size_t s) const {
+    return row.subspan(std::size_t(row_begin[s] + columns(s)), std::size_t(rows(s) - columns(s)));
+  }
+};
+
+struct FactorOptions {
+  std::size_t memory_limit_bytes = std::size_t{16} << 30;
+  unsigned threads = 2;                           ///< the bits do not depend on it
+  std::function<void(double fraction)> progress;  ///< may be empty; called from the calling thread
+  std::function<bool()> cancelled;                ///< may be empty; the same
+};
+
+/// Supernodal Cholesky factor of the part of a block matrix on chosen nodes: ordering and solves by
+/// CHOLMOD, numbers by a multifrontal factorisation on several threads. Solves from several threads at
+/// once are safe, each with a workspace of its own.
 class SupernodalFactor {
  public:
-  /// `nodes` ascend. Issues: compliance_factorisation_failed, compliance_out_of_memory.
+  /// `nodes` ascend. Issues: compliance_factorisation_failed, compliance_out_of_memory, interrupted.
   static Result<SupernodalFactor> create(const BlockMatrix& a, std::span<const Index> nodes,
-                                         std::size_t memory_limit_bytes);
+                                         const FactorOptions& options = {});
   SupernodalFactor(SupernodalFactor&&) noexcept;
   SupernodalFactor& operator=(SupernodalFactor&&) noexcept;
   ~SupernodalFactor();
 
   std::size_t size() const;  ///< scalars: three per node
   std::size_t bytes() const;
+  /// Valid as long as the factor.
+  SupernodeView view() const;
 
   /// Memory for solves with up to `columns` right sides.
   class Workspace {

@@ -69,18 +69,25 @@ mode_t usual_permissions() {
 
 }  // namespace
 
-Status write_file_atomically(const fs::path& file, std::string_view text) {
+Status write_pieces_atomically(const fs::path& file,
+                               const std::function<Status(const AppendBytes& append)>& produce) {
   if (auto checked = check_output_file(file); !checked) return checked;
   std::string temporary = temporary_name(file);
   OpenFile out(::mkstemp(temporary.data()));
   if (out.get() < 0) return cannot_write(file, errno);
-  const bool done = write_all(out.get(), text) && ::fchmod(out.get(), usual_permissions()) == 0 &&
-                    ::fsync(out.get()) == 0 && out.close() &&
-                    ::rename(temporary.c_str(), file.c_str()) == 0;
-  if (done) return {};
-  const int error = errno;
-  ::unlink(temporary.c_str());
-  return cannot_write(file, error);
+  Status status = produce([&](std::string_view bytes) -> Status {
+    if (write_all(out.get(), bytes)) return {};
+    return cannot_write(file, errno);
+  });
+  if (status && !(::fchmod(out.get(), usual_permissions()) == 0 && ::fsync(out.get()) == 0 &&
+                  out.close() && ::rename(temporary.c_str(), file.c_str()) == 0))
+    status = cannot_write(file, errno);
+  if (!status) ::unlink(temporary.c_str());
+  return status;
+}
+
+Status write_file_atomically(const fs::path& file, std::string_view text) {
+  return write_pieces_atomically(file, [&](const AppendBytes& append) { return append(text); });
 }
 
 Result<std::string> read_text_file(const fs::path& file, std::size_t limit) {

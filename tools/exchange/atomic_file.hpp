@@ -2,6 +2,7 @@
 #pragma once
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -12,6 +13,14 @@ namespace souple {
 /// Writes `text` to a temporary file beside `file`, flushes it to the device and renames: readers see
 /// the old file or the whole new one. On failure nothing is left behind. Issue io_cannot_write.
 Status write_file_atomically(const std::filesystem::path& file, std::string_view text);
+
+/// Appends bytes to the file being written. Issue io_cannot_write.
+using AppendBytes = std::function<Status(std::string_view bytes)>;
+
+/// The same for a file that is too large to stand in memory: `produce` hands over its pieces. Whatever
+/// stops it, nothing is left behind. Issues: io_cannot_write, and those of `produce`.
+Status write_pieces_atomically(const std::filesystem::path& file,
+                               const std::function<Status(const AppendBytes& append)>& produce);
 
 /// The bytes of a regular file of at most `limit` bytes.
 /// Issues: io_file_missing, io_cannot_read, io_file_too_large.

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The pipeline: file -> mesh of the body -> material and fixed sets -> compliances -> asset.
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -39,9 +41,31 @@ struct BakeOutcome {
   BakeReport report;
 };
 
-/// `generator` goes into the provenance ("souple 0.1.0"). The asset depends on the recipe and on the
-/// surface's bytes only. Issues: those of check_recipe and of the stages.
-Result<BakeOutcome> bake_asset(const Recipe& recipe, const std::string& generator, ProgressSink& sink);
+/// What the stage of the compliances may use, and how it is told to stop.
+struct ComplianceStage {
+  std::size_t memory_limit_bytes = std::size_t{16} << 30;
+  unsigned threads = 2;             ///< the asset does not depend on it
+  std::function<bool()> cancelled;  ///< may be empty; asked often; true: issue `interrupted`
+  /// May be empty. Keeps the finished stages: called before the stage is left by an interrupt, and
+  /// after work that took long enough to be sorry for.
+  std::function<Status(Asset& unfinished)> keep;
+};
+
+/// All but the compliances. `generator` goes into the provenance ("souple 0.1.0"). The asset depends on
+/// the recipe and on the surface's bytes only. Issues: those of check_recipe and of the stages.
+Result<BakeOutcome> bake_body(const Recipe& recipe, const std::string& generator, ProgressSink& sink);
+
+/// The compliances that the recipe asks for and the asset does not hold yet. Issues: those of
+/// precompute_compliance, recipe_needs_coarser_level, compliance_region_empty.
+Status add_compliances(BakeOutcome& outcome, const Recipe& recipe, const ComplianceStage& stage,
+                       ProgressSink& sink);
+
+/// Both.
+Result<BakeOutcome> bake_asset(const Recipe& recipe, const std::string& generator, ProgressSink& sink,
+                               const ComplianceStage& stage = {});
+
+/// A report on a body that was made by another run: what can be measured on it.
+BakeOutcome outcome_of(Asset asset, const Recipe& recipe);
 
 /// An asset without compliances from given tet meshes (build_hierarchy_of).
 Result<BakeOutcome> bake_hierarchy(const std::vector<std::filesystem::path>& meshes,

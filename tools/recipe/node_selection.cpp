@@ -58,6 +58,10 @@ std::vector<Index> nodes_of(const NearestSelection& nearest, const std::vector<P
   return order;
 }
 
+std::vector<Index> selected_nodes(const NodeSelection& selection, const std::vector<Point>& nodes) {
+  return std::visit([&](const auto& kind) { return nodes_of(kind, nodes); }, selection);
+}
+
 std::string point_text(const Point& p) {
   return "[" + rounded_text(p[0]) + ", " + rounded_text(p[1]) + ", " + rounded_text(p[2]) + "]";
 }
@@ -67,13 +71,21 @@ std::string point_text(const Point& p) {
 Result<FixedSet> select_nodes(const FixedRequest& request, const std::vector<Point>& nodes) {
   FixedSet set;
   set.name = request.name;
-  set.nodes =
-      std::visit([&](const auto& selection) { return nodes_of(selection, nodes); }, request.selection);
+  set.nodes = selected_nodes(request.selection, nodes);
   if (!set.nodes.empty() && set.nodes.size() < nodes.size()) return set;
   return make_issue(IssueCode::fixed_set_invalid,
                     std::string("the selection holds ") + (set.nodes.empty() ? "none" : "all") +
                         " of the " + std::to_string(nodes.size()) + " nodes",
                     "[[fixed]] " + request.name,
+                    "Select with respect to the final mesh, which spans " + span_text(nodes) + ".");
+}
+
+Result<std::vector<Index>> select_region(const NodeSelection& selection,
+                                         const std::vector<Point>& nodes, const std::string& where) {
+  auto selected = selected_nodes(selection, nodes);
+  if (!selected.empty()) return selected;
+  return make_issue(IssueCode::compliance_region_empty,
+                    "the selection holds none of the " + std::to_string(nodes.size()) + " nodes", where,
                     "Select with respect to the final mesh, which spans " + span_text(nodes) + ".");
 }
 

@@ -13,6 +13,11 @@ namespace souple {
 /// message names the box of the mesh, because a selection in other units is the usual cause.
 Result<FixedSet> select_nodes(const FixedRequest& request, const std::vector<Point>& nodes);
 
+/// The nodes of a region that may be touched, sorted; all of them are fine. Issue
+/// compliance_region_empty, at `where`.
+Result<std::vector<Index>> select_region(const NodeSelection& selection,
+                                         const std::vector<Point>& nodes, const std::string& where);
+
 /// "[0, 0, 0] .. [1, 2, 3] m": the box of the points, for messages about selections that miss.
 std::string span_text(const std::vector<Point>& points);
 

@@ -127,21 +127,41 @@ RegionRequest parse_region(TomlTable& entry, const MaterialSettings& standard) {
   return request;
 }
 
+/// Nodes of the mesh; `key` is where a message points if not exactly one selection is there.
+NodeSelection parse_node_selection(TomlTable& entry, std::string_view key) {
+  static const std::array<std::string, 4> kinds{"box", "sphere", "plane", "nearest"};
+  if (!has_one_of(entry, kinds, key)) return {};
+  if (entry.has("box")) return parse_box(entry.table("box"));
+  if (entry.has("sphere")) return parse_sphere(entry.table("sphere"));
+  if (entry.has("plane")) return parse_plane(entry.table("plane"));
+  return parse_nearest(entry.table("nearest"));
+}
+
 FixedRequest parse_fixed(TomlTable& entry) {
   entry.require("name", "what scenes call the set");
   FixedRequest request;
   request.name = entry.plain_name("name").value_or("");
-  static const std::array<std::string, 4> kinds{"box", "sphere", "plane", "nearest"};
-  if (!has_one_of(entry, kinds, "name")) return request;
-  if (entry.has("box"))
-    request.selection = parse_box(entry.table("box"));
-  else if (entry.has("sphere"))
-    request.selection = parse_sphere(entry.table("sphere"));
-  else if (entry.has("plane"))
-    request.selection = parse_plane(entry.table("plane"));
-  else
-    request.selection = parse_nearest(entry.table("nearest"));
+  request.selection = parse_node_selection(entry, "name");
   return request;
+}
+
+/// How a compliance is stored. `scalar` belongs to the dense form: alone it asks for it, and beside a
+/// tolerance it contradicts it. What only the compressed form has contradicts the dense one.
+void parse_storage(TomlTable& entry, ComplianceRequest& request) {
+  const bool scalar = entry.has("scalar");
+  if (entry.choice("scalar", scalar_type_names()).value_or("float32") == "float64")
+    request.scalar = ScalarType::float64;
+  if (scalar) request.tolerance = 0;
+  request.tolerance = entry.number("tolerance", tolerance_range).value_or(request.tolerance);
+  if (scalar && request.tolerance > 0)
+    entry.refuse(IssueCode::usage_conflict,
+                 "a tolerance asks for the compressed form, scalar for dense", "scalar",
+                 "Leave one of them out, or set tolerance = 0.");
+  if (entry.has("error_norm") && request.tolerance == 0)
+    entry.refuse(IssueCode::usage_conflict, "the dense form has no error that a norm bounds",
+                 "error_norm", "Leave it out, or give a tolerance above 0.");
+  request.error_norm = entry.choice("error_norm", error_norm_names()).value_or(request.error_norm);
+  request.way = entry.choice("way", compliance_way_names()).value_or(request.way);
 }
 
 ComplianceRequest parse_compliance(TomlTable& entry) {
@@ -157,8 +177,12 @@ ComplianceRequest parse_compliance(TomlTable& entry) {
   } else {
     request.time_step_s = entry.number("time_step_s", time_step_range).value_or(request.time_step_s);
   }
-  if (entry.choice("scalar", scalar_type_names()).value_or("float32") == "float64")
-    request.scalar = ScalarType::float64;
+  parse_storage(entry, request);
+  if (entry.has("nodes")) {
+    TomlTable nodes = entry.table("nodes");
+    request.nodes = parse_node_selection(nodes, "");
+  }
+  request.coarsening = entry.integer("coarsening", 0, 1).value_or(0);
   return request;
 }
 
@@ -177,14 +201,42 @@ Status check_unique_names(const std::vector<Entry>& entries, const std::string& 
   return {};
 }
 
-Status check_compliance(const Recipe& recipe, const ComplianceRequest& request) {
+Status check_compliance(const ComplianceRequest& request, const std::vector<std::string>& fixed_sets) {
   const std::string where = "[[compliance]] " + request.name;
-  if (!request.fixed.empty() &&
-      std::ranges::find(recipe.fixed, request.fixed, &FixedRequest::name) == recipe.fixed.end())
+  if (!request.fixed.empty() && std::ranges::find(fixed_sets, request.fixed) == fixed_sets.end())
     return wrong(IssueCode::config_bad_value, "there is no fixed set called \"" + request.fixed + "\"",
                  where, "Add a [[fixed]] entry of that name, or correct the name.");
   if (request.kind == ComplianceKind::static_equilibrium && request.fixed.empty())
     return wrong(IssueCode::compliance_singular, "a static compliance needs a fixed set", where);
+  if (request.tolerance == 0 && request.way == "by-solves")
+    return wrong(IssueCode::usage_conflict, "by solves there is no dense form, which tolerance 0 means",
+                 where, "Give a tolerance above 0, or another way.");
+  return {};
+}
+
+std::string selection_text(const ComplianceRequest& request) {
+  return request.nodes ? node_selection_text(*request.nodes) : "";
+}
+
+/// Whether a scene could not tell the two apart: a compliance serves the ratio a_M : a_K of its system,
+/// and within one recipe that is its kind and time step (a_M / a_K falls as h grows).
+bool serve_the_same(const ComplianceRequest& a, const ComplianceRequest& b) {
+  constexpr double same_step = 1e-9;
+  return a.kind == b.kind && a.fixed == b.fixed && a.coarsening == b.coarsening &&
+         std::abs(a.time_step_s - b.time_step_s) <= same_step * a.time_step_s &&
+         a.tolerance == b.tolerance &&
+         (a.tolerance > 0 ? a.error_norm == b.error_norm : a.scalar == b.scalar) &&
+         selection_text(a) == selection_text(b);
+}
+
+Status check_distinct(const std::vector<ComplianceRequest>& requests) {
+  for (std::size_t i = 0; i < requests.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (serve_the_same(requests[i], requests[j]))
+        return wrong(IssueCode::recipe_same_compliance,
+                     "\"" + requests[j].name + "\" and \"" + requests[i].name +
+                         "\" are one compliance: same system, same nodes, same exactness",
+                     "[[compliance]] " + requests[i].name);
   return {};
 }
 
@@ -241,8 +293,7 @@ void parse_entries(TomlTable owner, std::string_view key, std::vector<Entry>& en
   for (TomlTable& table : tables) entries.push_back(parse(table));
 }
 
-Result<Recipe> parse_recipe_table(TomlTable& root) {
-  Recipe recipe;
+Result<Recipe> parse_recipe_table(TomlTable& root, Recipe recipe) {
   parse_scalars(root, recipe);
   parse_entries(root.table("mesh"), "refine", recipe.refine, parse_refine);
   parse_entries(root.table("material"), "region", recipe.regions,
@@ -277,13 +328,13 @@ std::int64_t chosen_levels(const Recipe& recipe) {
 Result<Recipe> parse_recipe(std::string_view text, const std::string& name) {
   auto root = TomlTable::parse(text, name);
   if (!root) return root.issue();
-  return parse_recipe_table(*root);
+  return parse_recipe_table(*root, {});
 }
 
-Result<Recipe> read_recipe(const std::filesystem::path& file) {
+Result<Recipe> read_recipe(const std::filesystem::path& file, const Recipe& base) {
   auto root = TomlTable::parse_file(file);
   if (!root) return root.issue();
-  auto recipe = parse_recipe_table(*root);
+  auto recipe = parse_recipe_table(*root, base);
   if (!recipe) return recipe;
   const auto resolve = [&](std::filesystem::path& name) {
     if (name.is_relative() && !name.empty()) name = file.parent_path() / name;
@@ -295,6 +346,19 @@ Result<Recipe> read_recipe(const std::filesystem::path& file) {
   std::ranges::for_each(recipe->refine, resolve_part);
   std::ranges::for_each(recipe->regions, resolve_part);
   return recipe;
+}
+
+Status check_compliances(const std::vector<ComplianceRequest>& compliances, std::int64_t level_count,
+                         const std::vector<std::string>& fixed_sets) {
+  if (auto status = check_unique_names(compliances, "[[compliance]]"); !status) return status;
+  for (const ComplianceRequest& request : compliances) {
+    if (auto status = check_compliance(request, fixed_sets); !status) return status;
+    if (request.coarsening >= level_count)
+      return wrong(IssueCode::recipe_needs_coarser_level,
+                   "coarsening " + std::to_string(request.coarsening) + " on a body of one level",
+                   "[[compliance]] " + request.name);
+  }
+  return check_distinct(compliances);
 }
 
 Status check_recipe(const Recipe& recipe) {
@@ -313,9 +377,10 @@ Status check_recipe(const Recipe& recipe) {
   if (auto status = check_groups(recipe); !status) return status;
   if (auto status = check_unique_names(recipe.regions, "[[material.region]]"); !status) return status;
   if (auto status = check_unique_names(recipe.fixed, "[[fixed]]"); !status) return status;
-  if (auto status = check_unique_names(recipe.compliances, "[[compliance]]"); !status) return status;
-  for (const ComplianceRequest& request : recipe.compliances)
-    if (auto status = check_compliance(recipe, request); !status) return status;
+  std::vector<std::string> fixed_sets;
+  for (const FixedRequest& request : recipe.fixed) fixed_sets.push_back(request.name);
+  if (auto status = check_compliances(recipe.compliances, chosen_levels(recipe), fixed_sets); !status)
+    return status;
   const std::size_t text_bytes = canonical_recipe_text(recipe).size();
   if (text_bytes <= limits::text_bytes) return {};
   return wrong(IssueCode::config_bad_value,

@@ -4,6 +4,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -103,7 +104,13 @@ struct ComplianceRequest {
   ComplianceKind kind = ComplianceKind::dynamic_step;
   double time_step_s = 0.01;  ///< 0 if static
   std::string fixed;          ///< name of a fixed set; empty: none
-  ScalarType scalar = ScalarType::float32;
+  /// Largest error of what is stored, measured in `error_norm`; 0: dense, exact to `scalar`.
+  double tolerance = 1e-3;
+  std::string error_norm = "scaled-spectral";  ///< "scaled-spectral", "frobenius", "worst-column"
+  ScalarType scalar = ScalarType::float32;     ///< of the dense form; means nothing for the other
+  std::optional<NodeSelection> nodes;          ///< where the body can be touched; none: everywhere
+  std::int64_t coarsening = 0;                 ///< 1: the compliance of the level below
+  std::string way = "auto";                    ///< "auto", "dense", "by-solves"
 };
 
 struct Recipe {
@@ -119,13 +126,19 @@ struct Recipe {
 /// Every key is known, of its kind and in range, or the recipe is refused. Keys that are absent keep
 /// their default. `name` stands in messages. Issues: config_*, usage_conflict, unsupported_feature.
 Result<Recipe> parse_recipe(std::string_view text, const std::string& name);
-/// As parse_recipe; relative files are taken relative to the recipe's folder.
-Result<Recipe> read_recipe(const std::filesystem::path& file);
+/// As parse_recipe; relative files are taken relative to the recipe's folder. Keys that are absent keep
+/// the value that `base` has.
+Result<Recipe> read_recipe(const std::filesystem::path& file, const Recipe& base = {});
 
 /// What the keys must agree on among themselves, after command-line options were applied.
-/// Issues: usage_missing_argument, config_bad_value, recipe_too_few_tets, compliance_singular,
-/// unsupported_feature.
+/// Issues: usage_missing_argument, usage_conflict, config_bad_value, recipe_too_few_tets,
+/// recipe_needs_coarser_level, recipe_same_compliance, compliance_singular, unsupported_feature.
 Status check_recipe(const Recipe& recipe);
+
+/// What the compliances must agree on among themselves and with a body of `level_count` levels and
+/// fixed sets of these names. check_recipe asks for it too. Issues: those of check_recipe.
+Status check_compliances(const std::vector<ComplianceRequest>& compliances, std::int64_t level_count,
+                         const std::vector<std::string>& fixed_sets);
 
 inline constexpr std::int64_t default_tets = 10000;
 
@@ -145,5 +158,8 @@ std::int64_t chosen_levels(const Recipe& recipe);
 /// The effective recipe as TOML, every key written: the same text for the same recipe, wherever it was
 /// read from (the surface's folder is left out). parse_recipe reads it back.
 std::string canonical_recipe_text(const Recipe& recipe);
+
+/// `box = { … }` and the like, as in a recipe.
+std::string node_selection_text(const NodeSelection& selection);
 
 }  // namespace souple

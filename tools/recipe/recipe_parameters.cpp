@@ -218,6 +218,16 @@ std::span<const std::string> scalar_type_names() {
   return names;
 }
 
+std::span<const std::string> error_norm_names() {
+  static const std::array<std::string, 3> names{"scaled-spectral", "frobenius", "worst-column"};
+  return names;
+}
+
+std::span<const std::string> compliance_way_names() {
+  static const std::array<std::string, 3> names{"auto", "dense", "by-solves"};
+  return names;
+}
+
 std::string_view scalar_type_name(ScalarType type) {
   return scalar_type_names()[static_cast<std::size_t>(type)];
 }
@@ -236,21 +246,34 @@ Status override_recipe(Recipe& recipe, std::span<const RecipeOverride> options) 
   return {};
 }
 
-Status override_compliance(Recipe& recipe, const std::optional<std::string>& time_step_s,
-                           const std::optional<std::string>& scalar) {
-  if (time_step_s) {
+Status override_compliances(Recipe& recipe, const ComplianceOverrides& options) {
+  if (options.time_step_s) {
     const auto request = only_dynamic(recipe, "--time-step-s");
     if (!request) return request.issue();
     if (auto status =
-            set_number((*request)->time_step_s, "--time-step-s", *time_step_s, time_step_range);
+            set_number((*request)->time_step_s, "--time-step-s", *options.time_step_s, time_step_range);
         !status)
       return status;
   }
-  if (!scalar) return {};
+  double tolerance = 0;
+  if (options.tolerance) {
+    if (auto status = set_number(tolerance, "--tolerance", *options.tolerance, tolerance_range);
+        !status)
+      return status;
+    for (ComplianceRequest& request : recipe.compliances) request.tolerance = tolerance;
+  }
+  if (!options.scalar) return {};
+  if (tolerance > 0)
+    return make_issue(IssueCode::usage_conflict,
+                      "a tolerance asks for the compressed form, a scalar type for the dense one",
+                      "--tolerance, --scalar", "Leave one of them out.");
   std::string name;
-  if (auto status = set_text(name, "--scalar", *scalar, scalar_type_names()); !status) return status;
-  for (ComplianceRequest& request : recipe.compliances)
+  if (auto status = set_text(name, "--scalar", *options.scalar, scalar_type_names()); !status)
+    return status;
+  for (ComplianceRequest& request : recipe.compliances) {
     request.scalar = name == "float64" ? ScalarType::float64 : ScalarType::float32;
+    request.tolerance = 0;
+  }
   return {};
 }
 

@@ -37,14 +37,22 @@ using RecipeOverride = std::pair<const RecipeParameter*, std::string>;
 /// Issues: usage_bad_value, usage_conflict.
 Status override_recipe(Recipe& recipe, std::span<const RecipeOverride> options);
 
-/// `--time-step-s`, of the one dynamic compliance of a recipe (with several the recipe itself has to
-/// say), and `--scalar`, of all. Issues as above.
-Status override_compliance(Recipe& recipe, const std::optional<std::string>& time_step_s,
-                           const std::optional<std::string>& scalar);
+/// Options of compliances, as text.
+struct ComplianceOverrides {
+  std::optional<std::string> time_step_s{};  ///< of the one dynamic compliance; with several refused
+  std::optional<std::string> tolerance{};    ///< of all; 0: dense
+  std::optional<std::string> scalar{};       ///< of all: they become dense
+};
+
+/// Issues as above.
+Status override_compliances(Recipe& recipe, const ComplianceOverrides& options);
 
 // The same ranges and words in recipes and on the command line.
 inline constexpr NumberRange time_step_range{1e-7, 10};
-std::span<const std::string> scalar_type_names();  ///< in the order of ScalarType
+inline constexpr NumberRange tolerance_range{0, 0.5};
+std::span<const std::string> scalar_type_names();     ///< in the order of ScalarType
+std::span<const std::string> error_norm_names();      ///< in the order of ErrorNorm
+std::span<const std::string> compliance_way_names();  ///< auto, dense, by-solves
 std::string_view scalar_type_name(ScalarType type);
 
 }  // namespace souple

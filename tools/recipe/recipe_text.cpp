@@ -95,10 +95,21 @@ std::string compliance_text(const ComplianceRequest& request) {
   else
     text += "kind = \"dynamic\"\ntime_step_s = " + exact_text(request.time_step_s) + "\n";
   if (!request.fixed.empty()) text += "fixed = " + toml_text(request.fixed) + "\n";
-  return text + "scalar = " + toml_text(scalar_type_name(request.scalar)) + "\n";
+  text += "tolerance = " + exact_text(request.tolerance) + "\n";
+  if (request.tolerance > 0)
+    text += "error_norm = " + toml_text(request.error_norm) + "\n";
+  else
+    text += "scalar = " + toml_text(scalar_type_name(request.scalar)) + "\n";
+  if (request.nodes) text += "nodes = { " + node_selection_text(*request.nodes) + " }\n";
+  text += "coarsening = " + std::to_string(request.coarsening) + "\n";
+  return text + "way = " + toml_text(request.way) + "\n";
 }
 
 }  // namespace
+
+std::string node_selection_text(const NodeSelection& selection) {
+  return std::visit(SelectionText{}, selection);
+}
 
 std::string canonical_recipe_text(const Recipe& recipe) {
   std::string text = scalars_text(recipe);
@@ -106,7 +117,7 @@ std::string canonical_recipe_text(const Recipe& recipe) {
   for (const RegionRequest& request : recipe.regions) text += region_text(request);
   for (const FixedRequest& request : recipe.fixed)
     text += "\n[[fixed]]\nname = " + toml_text(request.name) + "\n" +
-            std::visit(SelectionText{}, request.selection) + "\n";
+            node_selection_text(request.selection) + "\n";
   for (const ComplianceRequest& request : recipe.compliances) text += compliance_text(request);
   return text;
 }

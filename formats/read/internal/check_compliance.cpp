@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "formats/core/limits.hpp"
+#include "formats/read/internal/check_rows.hpp"
 #include "formats/read/internal/checks.hpp"
 #include "formats/storage/layout.hpp"
 
@@ -22,9 +23,17 @@ TileCounts dense_tile_counts(std::int64_t node_count, std::int64_t tile_nodes) {
   return {tiles * (tiles + 1) / 2, 9 * tile_nodes * tile_nodes};
 }
 
+/// The rest is for the index to say.
+bool has_sane_leaf_counts(const ComplianceHeader& header) {
+  return header.tile_nodes == 0 && header.block_scalars == 0 && header.block_count >= 1 &&
+         header.block_count <= header.node_count;
+}
+
 bool has_sane_counts(const ComplianceHeader& header) {
   if (header.node_count < 1 || static_cast<std::uint64_t>(header.node_count) > limits::nodes)
     return false;
+  if (header.representation == ComplianceRepresentation::hierarchical)
+    return has_sane_leaf_counts(header);
   if (header.tile_nodes < 1 || header.tile_nodes > limits::tile_nodes) return false;
   const TileCounts counts = dense_tile_counts(header.node_count, header.tile_nodes);
   const auto block_bytes = static_cast<std::uint64_t>(counts.scalars) * layout::bytes_of(header.scalar);
@@ -42,10 +51,16 @@ void check_numbers(const ComplianceHeader& header, const std::string& where, Iss
                [&] { return "the time step is " + std::to_string(header.time_step_s) + " s"; });
   for (const double value : {header.mass_factor, header.stiffness_factor, header.tolerance_asked,
                              header.error.solve_residual, header.error.scaled_spectral,
-                             header.error.frobenius, header.error.worst_column})
+                             header.error.frobenius, header.error.worst_column, header.shift})
     if (!not_negative(value))
       issues.add(IssueCode::asset_compliance_invalid, where,
-                 [&] { return "a factor, tolerance or error is " + std::to_string(value); });
+                 [&] { return "a factor, tolerance, error or shift is " + std::to_string(value); });
+  if (header.shift != 0 && header.representation != ComplianceRepresentation::hierarchical)
+    issues.add(IssueCode::asset_compliance_invalid, where,
+               [&] { return "a dense compliance with a shift of " + std::to_string(header.shift); });
+  if (header.coarsening < 0 || header.coarsening > 1)
+    issues.add(IssueCode::asset_compliance_invalid, where,
+               [&] { return "a coarsening of " + std::to_string(header.coarsening) + " levels"; });
 }
 
 /// Where the scalars of one block lie and which of them belong to nodes.
@@ -68,9 +83,9 @@ bool all_finite(const std::byte* bytes, std::size_t count) {
   return sum == 0;
 }
 
-/// Empty, or what is wrong with the block.
+/// nullptr, or what is wrong with the block.
 template <class Scalar>
-const char* fault_of(const BlockView& view, const std::byte* bytes) {
+const char* fault_of_tile(const BlockView& view, const std::byte* bytes) {
   const auto at = [&](std::int64_t row, std::int64_t column) {
     Scalar x;
     std::memcpy(&x, bytes + static_cast<std::size_t>(row * view.width + column) * sizeof x, sizeof x);
@@ -88,7 +103,7 @@ const char* fault_of(const BlockView& view, const std::byte* bytes) {
   return nullptr;
 }
 
-void check_payload(const ComplianceVariant& variant, const std::string& where, IssueList& issues) {
+void check_tiles(const ComplianceVariant& variant, const std::string& where, IssueList& issues) {
   const ComplianceHeader& header = variant.header;
   const std::int64_t width = 3 * header.tile_nodes;
   const std::size_t block_bytes =
@@ -100,8 +115,8 @@ void check_payload(const ComplianceVariant& variant, const std::string& where, I
   for (std::int64_t block = 0; block < header.block_count; ++block) {
     const BlockView view{width, used(row_tile), used(column_tile), row_tile == column_tile};
     const std::byte* bytes = variant.payload.data() + static_cast<std::size_t>(block) * block_bytes;
-    const char* fault = header.scalar == ScalarType::float32 ? fault_of<float>(view, bytes)
-                                                             : fault_of<double>(view, bytes);
+    const char* fault = header.scalar == ScalarType::float32 ? fault_of_tile<float>(view, bytes)
+                                                             : fault_of_tile<double>(view, bytes);
     if (fault != nullptr)
       issues.add(IssueCode::asset_compliance_invalid, where,
                  [&] { return "block " + std::to_string(block) + ": " + fault; });
@@ -110,6 +125,56 @@ void check_payload(const ComplianceVariant& variant, const std::string& where, I
       column_tile = 0;
     }
   }
+}
+
+/// The finest-level nodes: one per row of the compliance, or of its prolongation.
+void check_nodes(const ComplianceVariant& variant, std::size_t node_count, const std::string& where,
+                 IssueList& issues) {
+  const auto refuse = [&](const char* what) {
+    issues.add(IssueCode::asset_compliance_invalid, where, [&] { return std::string(what); });
+  };
+  const auto& nodes = variant.nodes;
+  const bool prolonged = variant.header.coarsening != 0;
+  const auto row_count =
+      prolonged ? variant.prolongation.size() : static_cast<std::uint64_t>(variant.header.node_count);
+  if (nodes.empty() || nodes.size() != row_count)
+    refuse("the node list has not the length that the header or the prolongation says");
+  else if (std::ranges::adjacent_find(nodes, std::ranges::greater_equal{}) != nodes.end())
+    refuse("the nodes are not ascending");
+  else if (nodes.front() < 0 || static_cast<std::size_t>(nodes.back()) >= node_count)
+    refuse("a node lies outside the mesh");
+}
+
+void check_prolongation(const ComplianceVariant& variant, const std::string& where, IssueList& issues) {
+  const auto& rows = variant.prolongation;
+  if (variant.header.coarsening == 0 && !rows.empty())
+    issues.add(IssueCode::asset_compliance_invalid, where,
+               [] { return "a prolongation without a coarsening"; });
+  const auto outside = [&](Index row) { return row < 0 || row >= variant.header.node_count; };
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (std::ranges::any_of(rows[r].row, outside))
+      issues.add(IssueCode::asset_compliance_invalid, where, [&] {
+        return "row " + std::to_string(r) + " of the prolongation names a row that is not stored";
+      });
+    if (!has_sound_weights(rows[r].weight))
+      issues.add(IssueCode::asset_compliance_invalid, where, [&] {
+        return "the weights of row " + std::to_string(r) + " of the prolongation are not of sum 1";
+      });
+  }
+}
+
+/// Empty, or how the blocks contradict the header.
+std::string fault_of_blocks(const ComplianceVariant& variant, std::uint64_t payload_bytes) {
+  const ComplianceHeader& header = variant.header;
+  if (header.representation == ComplianceRepresentation::hierarchical) {
+    if (header.block_count + 1 != static_cast<std::int64_t>(variant.hierarchy.record_begin.size()))
+      return std::to_string(header.block_count) + " blocks are not one per leaf";
+    return fault_of(variant.hierarchy, header.node_count, payload_bytes);
+  }
+  const auto scalar_count = static_cast<std::uint64_t>(header.block_count * header.block_scalars);
+  return payload_bytes == scalar_count * layout::bytes_of(header.scalar)
+             ? ""
+             : "the payload has not the size that the header says";
 }
 
 bool nearly_equal(double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(b); }
@@ -136,33 +201,29 @@ void check_compliance_header(const ComplianceHeader& header, const std::string& 
   if (!has_sane_counts(header))
     issues.add(IssueCode::asset_compliance_invalid, where, [&] {
       return std::to_string(header.block_count) + " blocks of " + std::to_string(header.block_scalars) +
-             " scalars do not fit " + std::to_string(header.node_count) + " nodes in tiles of " +
-             std::to_string(header.tile_nodes);
+             " scalars in tiles of " + std::to_string(header.tile_nodes) + " do not fit " +
+             std::to_string(header.node_count) + " nodes";
     });
+}
+
+void check_compliance_index(const ComplianceVariant& variant, std::uint64_t payload_bytes,
+                            std::size_t node_count, const std::string& where, IssueList& issues) {
+  const std::size_t before = issues.count();
+  check_compliance_header(variant.header, where, issues);
+  if (issues.count() != before) return;
+  check_nodes(variant, node_count, where, issues);
+  check_prolongation(variant, where, issues);
+  const std::string fault = fault_of_blocks(variant, payload_bytes);
+  if (!fault.empty()) issues.add(IssueCode::asset_compliance_invalid, where, [&] { return fault; });
 }
 
 void check_compliance(const ComplianceVariant& variant, std::size_t node_count,
                       const std::string& where, IssueList& issues) {
   const std::size_t before = issues.count();
-  const ComplianceHeader& header = variant.header;
-  check_compliance_header(header, where, issues);
-  const auto refuse = [&](const char* what) {
-    issues.add(IssueCode::asset_compliance_invalid, where, [&] { return std::string(what); });
-  };
-  const auto& nodes = variant.nodes;
-  if (nodes.size() != static_cast<std::uint64_t>(header.node_count))
-    refuse("the node list has not the length that the header says");
-  else if (std::ranges::adjacent_find(nodes, std::ranges::greater_equal{}) != nodes.end())
-    refuse("the nodes are not ascending");
-  else if (!nodes.empty() &&
-           (nodes.front() < 0 || static_cast<std::size_t>(nodes.back()) >= node_count))
-    refuse("a node lies outside the mesh");
-  if (issues.count() != before) return;
-  const auto scalar_count = static_cast<std::uint64_t>(header.block_count * header.block_scalars);
-  if (variant.payload.size() != scalar_count * layout::bytes_of(header.scalar))
-    refuse("the payload has not the size that the header says");
-  else
-    check_payload(variant, where, issues);
+  check_compliance_index(variant, variant.payload.size(), node_count, where, issues);
+  if (issues.count() == before &&
+      variant.header.representation == ComplianceRepresentation::dense_tiled)
+    check_tiles(variant, where, issues);
 }
 
 void check_compliance_context(const ComplianceVariant& variant, const Asset& asset,

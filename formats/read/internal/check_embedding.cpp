@@ -14,16 +14,6 @@ namespace {
 // Distance that an embedding may miss its point by, over the longest side of the body.
 constexpr double place_tolerance = 1e-6;
 
-bool has_sound_weights(const Embedding& row) {
-  double sum = 0;
-  for (const double weight : row.weights) {
-    // The negation also catches NaN.
-    if (!(std::abs(weight) <= limits::embedding_weight)) return false;
-    sum += weight;
-  }
-  return std::abs(sum - 1) <= limits::embedding_weight_sum;
-}
-
 std::string weights_text(const Embedding& row) {
   std::string text;
   for (const double weight : row.weights) text += (text.empty() ? "" : ", ") + std::to_string(weight);
@@ -73,7 +63,7 @@ void check_embedding(const std::vector<Embedding>& rows, std::size_t point_count
         return "row " + std::to_string(r) + " of the embedding names tet " + std::to_string(row.tet) +
                " of " + std::to_string(tet_count);
       });
-    if (!has_sound_weights(row))
+    if (!has_sound_weights(row.weights))
       issues.add(IssueCode::asset_embedding_invalid, where, [&] {
         return "row " + std::to_string(r) + " of the embedding has the weights " + weights_text(row);
       });

@@ -2,6 +2,7 @@
 // Checks of lists of indices and points that levels and the visual surface share.
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -26,6 +27,17 @@ void check_range(const Rows& rows, std::size_t count, const std::string& where, 
              std::to_string(*bad) + " of " + std::to_string(count);
     });
   }
+}
+
+/// Bounded and of sum 1: what carries a motion from four nodes to a point.
+inline bool has_sound_weights(const std::array<double, 4>& weights) {
+  double sum = 0;
+  for (const double weight : weights) {
+    // The negation also catches NaN.
+    if (!(std::abs(weight) <= limits::embedding_weight)) return false;
+    sum += weight;
+  }
+  return std::abs(sum - 1) <= limits::embedding_weight_sum;
 }
 
 inline void check_coordinates(const std::vector<Point>& points, const std::string& where,

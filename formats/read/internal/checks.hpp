@@ -3,6 +3,7 @@
 // validation runs all.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -54,7 +55,11 @@ void check_fixed_set(const FixedSet& set, std::size_t node_count, const std::str
 /// The header in itself: counts fit each other and the representation, numbers finite.
 void check_compliance_header(const ComplianceHeader& header, const std::string& where,
                              IssueList& issues);
-/// Header, nodes and payload together; `node_count` of the finest level.
+/// Header, nodes, prolongation and hierarchical index together, for a payload of so many bytes;
+/// `node_count` of the finest level.
+void check_compliance_index(const ComplianceVariant& variant, std::uint64_t payload_bytes,
+                            std::size_t node_count, const std::string& where, IssueList& issues);
+/// The same, and the scalars of a dense payload.
 void check_compliance(const ComplianceVariant& variant, std::size_t node_count,
                       const std::string& where, IssueList& issues);
 /// The variant against the damping and the fixed sets of its asset.

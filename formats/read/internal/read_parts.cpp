@@ -8,30 +8,11 @@
 #include "formats/core/limits.hpp"
 #include "formats/core/names.hpp"
 #include "formats/read/internal/checks.hpp"
+#include "formats/read/internal/take.hpp"
 #include "formats/storage/layout.hpp"
 
 namespace souple::storage {
 namespace {
-
-/// Moves a part of the file into its place; false leaves the issue in `status`. Reads of one group are
-/// chained with &&, the first that fails ends the chain.
-template <class T>
-bool take(Result<T> part, T& place, Status& status) {
-  if (part)
-    place = std::move(part).value();
-  else
-    status = part.issue();
-  return status.ok();
-}
-
-/// The part, or the first thing a check found in it.
-template <class Part>
-Result<Part> checked(Part part, const IssueList& issues) {
-  if (!issues.empty()) return issues.front();
-  return part;
-}
-
-IssueList first_issue_only() { return IssueList(ValidationOptions{1}); }
 
 Result<std::vector<std::string>> read_region_names(const GroupReader& material) {
   const Result<DatasetReader> dataset = material.dataset(layout::region_names);
@@ -51,31 +32,6 @@ Result<std::vector<std::string>> read_region_names(const GroupReader& material) 
     names.push_back(std::move(name));
   }
   return names;
-}
-
-/// The value whose text this is; the texts stand in the order of the enumeration.
-template <class Enumeration, std::size_t N>
-Result<Enumeration> read_choice(const GroupReader& group, const char* attribute,
-                                const std::array<std::string_view, N>& texts, IssueCode unknown) {
-  const Result<std::string> text = group.text(attribute);
-  if (!text) return text.issue();
-  const auto found = std::ranges::find(texts, *text);
-  if (found == texts.end())
-    return make_issue(unknown, std::string(attribute) + " is \"" + *text + "\"", group.where());
-  return static_cast<Enumeration>(found - texts.begin());
-}
-
-Result<std::vector<std::byte>> read_payload(const GroupReader& variant,
-                                            const ComplianceHeader& header) {
-  const Result<DatasetReader> dataset = variant.dataset(layout::payload);
-  if (!dataset) return dataset.issue();
-  const hid_t scalar = header.scalar == ScalarType::float32 ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
-  const auto block_count = static_cast<std::uint64_t>(header.block_count);
-  if (!dataset->has_scalar(scalar) || dataset->rows() != block_count ||
-      dataset->columns() != static_cast<std::uint64_t>(header.block_scalars))
-    return make_issue(IssueCode::asset_corrupt, "the payload does not have the shape of its header",
-                      variant.where());
-  return dataset->read_all<std::byte>(block_count);
 }
 
 Result<std::vector<Embedding>> read_embedding(const GroupReader& group) {
@@ -195,51 +151,6 @@ Result<FixedSet> read_fixed_set(const GroupReader& group, std::string name, cons
   IssueList issues = first_issue_only();
   checks::check_fixed_set(set, finest.nodes, group.where(), issues);
   return checked(std::move(set), issues);
-}
-
-Result<ComplianceHeader> read_compliance_header(const GroupReader& group, std::string name) {
-  ComplianceHeader header;
-  header.name = std::move(name);
-  Status status;
-  const auto corrupt = IssueCode::asset_corrupt;
-  const auto unknown = IssueCode::unsupported_representation;
-  const bool read = take(read_choice<ComplianceRepresentation>(group, layout::representation,
-                                                               layout::representations, unknown),
-                         header.representation, status) &&
-                    take(read_choice<ScalarType>(group, layout::scalar, layout::scalars, unknown),
-                         header.scalar, status) &&
-                    take(read_choice<ComplianceKind>(group, layout::kind, layout::kinds, corrupt),
-                         header.kind, status) &&
-                    take(group.text(layout::fixed_set), header.fixed_set, status) &&
-                    take(group.real(layout::time_step), header.time_step_s, status) &&
-                    take(group.real(layout::mass_factor), header.mass_factor, status) &&
-                    take(group.real(layout::stiffness_factor), header.stiffness_factor, status) &&
-                    take(group.real(layout::tolerance_asked), header.tolerance_asked, status) &&
-                    take(group.real(layout::solve_residual), header.error.solve_residual, status) &&
-                    take(group.real(layout::scaled_spectral), header.error.scaled_spectral, status) &&
-                    take(group.real(layout::frobenius), header.error.frobenius, status) &&
-                    take(group.real(layout::worst_column), header.error.worst_column, status) &&
-                    take(group.integer(layout::node_count), header.node_count, status) &&
-                    take(group.integer(layout::tile_nodes), header.tile_nodes, status) &&
-                    take(group.integer(layout::block_count), header.block_count, status) &&
-                    take(group.integer(layout::block_scalars), header.block_scalars, status);
-  if (!read) return status.issue();
-  IssueList issues = first_issue_only();
-  checks::check_compliance_header(header, group.where(), issues);
-  return checked(std::move(header), issues);
-}
-
-Result<ComplianceVariant> read_compliance(const GroupReader& group, std::string name,
-                                          const MeshCounts& finest) {
-  ComplianceVariant variant;
-  Status status;
-  const bool read = take(read_compliance_header(group, std::move(name)), variant.header, status) &&
-                    take(read_rows<Index>(group, layout::nodes, finest.nodes), variant.nodes, status) &&
-                    take(read_payload(group, variant.header), variant.payload, status);
-  if (!read) return status.issue();
-  IssueList issues = first_issue_only();
-  checks::check_compliance(variant, finest.nodes, group.where(), issues);
-  return checked(std::move(variant), issues);
 }
 
 }  // namespace souple::storage

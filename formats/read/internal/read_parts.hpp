@@ -27,8 +27,5 @@ Result<MeshLevel> read_level(const GroupReader& level, const MeshCounts& coarse)
 Result<VisualMesh> read_visual(const GroupReader& visual, const MeshCounts& finest);
 Result<Material> read_material(const GroupReader& material, const MeshCounts& finest);
 Result<FixedSet> read_fixed_set(const GroupReader& set, std::string name, const MeshCounts& finest);
-Result<ComplianceHeader> read_compliance_header(const GroupReader& variant, std::string name);
-Result<ComplianceVariant> read_compliance(const GroupReader& variant, std::string name,
-                                          const MeshCounts& finest);
 
 }  // namespace souple::storage

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 
 #include "formats/filter/zstd_filter.hpp"
 #include "formats/storage/device_driver.hpp"
@@ -32,15 +33,45 @@ std::array<hsize_t, 2> chunk_shape(std::uint64_t row_count, std::uint64_t column
   return {std::min(row_count, rows), columns};
 }
 
-Handle dataset_properties(int rank, const std::array<hsize_t, 2>& chunk, int zstd_level) {
+/// A power of two: few chunks, so that their index stays small, but each a small part of the whole.
+std::uint64_t record_chunk_bytes(std::uint64_t payload_bytes) {
+  const std::uint64_t wanted = std::bit_ceil(payload_bytes / layout::usual_record_chunk_count + 1);
+  return std::min(payload_bytes,
+                  std::clamp(wanted, layout::smallest_record_chunk_bytes, layout::largest_chunk_bytes));
+}
+
+/// How the rows of a dataset are cut and packed.
+struct Packing {
+  std::array<hsize_t, 2> chunk;
+  bool shuffle;
+  int zstd_level;
+};
+
+Handle dataset_properties(int rank, const Packing& packing) {
   Handle creation(H5Pcreate(H5P_DATASET_CREATE));
   set_plain_object(creation.get());
-  const auto level = static_cast<unsigned>(zstd_level);
-  const bool ok = H5Pset_chunk(creation.get(), rank, chunk.data()) >= 0 &&
-                  H5Pset_shuffle(creation.get()) >= 0 &&
+  const auto level = static_cast<unsigned>(packing.zstd_level);
+  const bool ok = H5Pset_chunk(creation.get(), rank, packing.chunk.data()) >= 0 &&
+                  (!packing.shuffle || H5Pset_shuffle(creation.get()) >= 0) &&
                   H5Pset_filter(creation.get(), zstd_filter_id, H5Z_FLAG_MANDATORY, 1, &level) >= 0 &&
                   H5Pset_fletcher32(creation.get()) >= 0;
   return ok ? std::move(creation) : Handle();
+}
+
+bool write_dataset(hid_t group, const char* name, const RowType& type, std::uint64_t row_count,
+                   const Packing& packing, std::span<const std::byte> bytes) {
+  const int rank = type.columns == 0 ? 1 : 2;
+  const std::array<hsize_t, 2> extent{row_count, type.columns};
+  const Handle creation = dataset_properties(rank, packing);
+  const Handle space(H5Screate_simple(rank, extent.data(), nullptr));
+  // Every chunk is encoded once, straight from the caller's memory: no cache.
+  const Handle access(H5Pcreate(H5P_DATASET_ACCESS));
+  H5Pset_chunk_cache(access.get(), 1, 0, 0);
+  if (!creation || !space || !access) return false;
+  Handle id(
+      H5Dcreate2(group, name, type.scalar, space.get(), H5P_DEFAULT, creation.get(), access.get()));
+  return id && H5Dwrite(id.get(), type.scalar, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) >= 0 &&
+         id.close();
 }
 
 }  // namespace
@@ -79,19 +110,14 @@ void GroupWriter::integer(const char* name, std::int64_t value) const {
 void GroupWriter::bulk(const char* name, const RowType& type, std::uint64_t row_count,
                        std::span<const std::byte> bytes) const {
   if (!progress_->ok) return;
-  const int rank = type.columns == 0 ? 1 : 2;
-  const std::array<hsize_t, 2> extent{row_count, std::max<std::size_t>(type.columns, 1)};
-  const Handle creation = dataset_properties(rank, chunk_shape(extent[0], extent[1], type.scalar_bytes),
-                                             progress_->zstd_level);
-  const Handle space(H5Screate_simple(rank, extent.data(), nullptr));
-  // Every chunk is encoded once, straight from the caller's memory: no cache.
-  const Handle access(H5Pcreate(H5P_DATASET_ACCESS));
-  H5Pset_chunk_cache(access.get(), 1, 0, 0);
-  if (!creation || !space || !access) return note(false);
-  Handle id(
-      H5Dcreate2(id_.get(), name, type.scalar, space.get(), H5P_DEFAULT, creation.get(), access.get()));
-  note(id && H5Dwrite(id.get(), type.scalar, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) >= 0 &&
-       id.close());
+  const auto chunk = chunk_shape(row_count, std::max<std::size_t>(type.columns, 1), type.scalar_bytes);
+  note(write_dataset(id_.get(), name, type, row_count, {chunk, true, progress_->zstd_level}, bytes));
+}
+
+void GroupWriter::records(const char* name, std::span<const std::byte> bytes) const {
+  if (!progress_->ok) return;
+  const Packing packing{{record_chunk_bytes(bytes.size()), 1}, false, progress_->zstd_level};
+  note(write_dataset(id_.get(), name, row_type(bytes.data()), bytes.size(), packing, bytes));
 }
 
 void GroupWriter::texts(const char* name, const std::vector<std::string>& values) const {

@@ -38,6 +38,13 @@ class GroupWriter {
   /// Rows of `type.columns` scalars (0: rank 1).
   void bulk(const char* name, const RowType& type, std::uint64_t row_count,
             std::span<const std::byte> bytes) const;
+  /// As `rows`, but nothing for a list without entries: HDF5's readers of assets know no empty dataset.
+  template <class Row>
+  void rows_if_any(const char* name, const std::vector<Row>& values) const {
+    if (!values.empty()) rows(name, values);
+  }
+  /// Bytes that stand for themselves, read piece by piece: not shuffled, small chunks.
+  void records(const char* name, std::span<const std::byte> bytes) const;
   /// Texts of one fixed length, padded with NUL.
   void texts(const char* name, const std::vector<std::string>& values) const;
 

@@ -55,14 +55,21 @@ TEST(RestCompliance, AppliesLikeTheDenseInverseOnAllNodes) {
       force[k] = normal(random);
       load[3 * f.compliance().nodes[std::size_t(rows[k / 3])] + Eigen::Index(k % 3)] = force[k];
     }
-    f.compliance().rest->apply(rows, force, surface);
+    ComplianceWork scratch;
+    f.compliance().rest->apply(rows, force, surface, scratch);
     Eigen::VectorXd u = Eigen::VectorXd::Zero(f.full.rows());
     for (std::size_t k = 0; k < surface.size(); ++k)
       u[3 * f.compliance().nodes[k / 3] + Eigen::Index(k % 3)] = surface[k];
-    Eigen::VectorXd work(f.compliance().extension.work_size());
+    std::vector<float> work(f.compliance().extension.work_size());
     f.compliance().extension.apply(u, work);
     const Eigen::VectorXd expected = f.full * load;
-    EXPECT_LT((u - expected).norm() / expected.norm(), 1e-12) << "clamped " << clamped;
+    for (const Index node : f.compliance().nodes) {
+      EXPECT_LT((node_entry(u, node) - node_entry(expected, node)).norm(), 1e-12 * expected.norm());
+      node_entry(u, node) = node_entry(expected, node);
+    }
+    // The interior comes from a factor in half precision.
+    EXPECT_LT((u - expected).cwiseAbs().maxCoeff(), 1e-3 * expected.cwiseAbs().maxCoeff())
+        << "clamped " << clamped;
   }
 }
 
@@ -70,8 +77,8 @@ TEST(RestCompliance, RefusesBlocksThatDoNotFitTheHeader) {
   const Fixture f(false);
   ComplianceHeader header = f.compliance().header;
   header.block_count += 1;
-  const auto opened =
-      open_rest_compliance(header, std::make_unique<MemoryBlockSource>(std::vector<std::byte>{}, 8));
+  const auto opened = open_rest_compliance(
+      header, {}, std::make_unique<MemoryBlockSource>(std::vector<std::byte>{}, 8));
   ASSERT_FALSE(opened.ok());
   EXPECT_EQ(opened.issue().code, IssueCode::asset_corrupt);
 }

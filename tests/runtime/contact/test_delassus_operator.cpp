@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -24,41 +25,105 @@ TEST(ContactFrame, IsOrthonormalWithTheNormalFirst) {
   }
 }
 
-TEST(DelassusOperator, EqualsTheExplicitTripleProductWithWarpedCompliance) {
-  std::mt19937 random(2);
+// Some contacts of a body, nodes shared between them, and the same as matrices.
+struct Fixture {
+  static constexpr int nodes = 7, contacts = 5;
+  std::mt19937 random{2};
   std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform(0, 1);
-  const int nodes = 7, contacts = 5;
-  Matrix c0 = Matrix::NullaryExpr(3 * nodes, 3 * nodes, [&] { return normal(random); });
-  c0 = (c0 * c0.transpose()).eval();
+  Matrix c0, h = Matrix::Zero(3 * contacts, 3 * nodes), r = Matrix::Zero(3 * nodes, 3 * nodes);
   std::vector<Mat3> rotations, frames;
-  for (int k = 0; k < nodes; ++k)
-    rotations.push_back(
-        Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
-            .normalized()
-            .toRotationMatrix());
-  for (int k = 0; k < contacts; ++k)
-    frames.push_back(contact_frame(Vec3(normal(random), normal(random), normal(random)).normalized()));
   std::vector<Touch> touches;
-  Matrix h = Matrix::Zero(3 * contacts, 3 * nodes), r = Matrix::Zero(3 * nodes, 3 * nodes);
-  for (int k = 0; k < nodes; ++k) r.block<3, 3>(3 * k, 3 * k) = rotations[std::size_t(k)];
-  for (int i = 0; i < contacts; ++i)
-    for (int k = 0; k < 1 + i % 3; ++k) {
-      const Index node = Index((2 * i + 3 * k) % nodes);
-      const double weight = (i % 2 ? -1 : 1) * uniform(random);
-      touches.push_back({Index(i), node, weight});
-      h.block<3, 3>(3 * i, 3 * node) += weight * frames[std::size_t(i)].transpose();
-    }
-  const Matrix expected = h * r * c0 * r.transpose() * h.transpose();
 
-  warp_compliance(rotations, {c0.data(), std::size_t(c0.size())});
-  Matrix w = Matrix::Zero(3 * contacts, 3 * contacts);
-  std::vector<double> work(9 * nodes);
-  add_to_delassus(touches, frames, {c0.data(), std::size_t(c0.size())}, contacts,
-                  {w.data(), std::size_t(w.size())}, work);
-  mirror_delassus(contacts, {w.data(), std::size_t(w.size())});
+  Fixture() {
+    c0 = Matrix::NullaryExpr(3 * nodes, 3 * nodes, [&] { return normal(random); });
+    c0 = (c0 * c0.transpose()).eval();
+    for (int k = 0; k < nodes; ++k) {
+      rotations.push_back(
+          Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random))
+              .normalized()
+              .toRotationMatrix());
+      r.block<3, 3>(3 * k, 3 * k) = rotations.back();
+    }
+    std::uniform_real_distribution<double> uniform(0, 1);
+    for (int i = 0; i < contacts; ++i) {
+      frames.push_back(
+          contact_frame(Vec3(normal(random), normal(random), normal(random)).normalized()));
+      for (int k = 0; k < 1 + i % 3; ++k) {
+        const Index node = Index((2 * i + 3 * k) % nodes);
+        const double weight = (i % 2 ? -1 : 1) * uniform(random);
+        touches.push_back({Index(i), node, weight});
+        h.block<3, 3>(3 * i, 3 * node) += weight * frames.back().transpose();
+      }
+    }
+  }
+
+  /// The operator with C0 stored in these slots.
+  template <class Scalar>
+  Matrix delassus(const std::vector<Index>& slots, double factor) const {
+    const std::size_t stride = 3 * nodes + 5;
+    std::vector<Scalar> stored(3 * nodes * stride, Scalar(NAN));
+    for (std::size_t a = 0; a < 3 * nodes; ++a)
+      for (std::size_t b = 0; b < 3 * nodes; ++b)
+        stored[(3 * std::size_t(slots[a / 3]) + a % 3) * stride + 3 * std::size_t(slots[b / 3]) +
+               b % 3] = Scalar(c0(Eigen::Index(a), Eigen::Index(b)));
+    Matrix w = Matrix::Zero(3 * contacts, 3 * contacts);
+    DelassusWork<Scalar> work;
+    add_to_delassus<Scalar>({touches, frames, rotations}, {stored.data(), stride, slots}, factor,
+                            {w.data(), std::size_t(w.size())}, work);
+    mirror_delassus(contacts, {w.data(), std::size_t(w.size())});
+    return w;
+  }
+};
+
+TEST(DelassusOperator, EqualsTheExplicitTripleProductWithWarpedCompliance) {
+  const Fixture f;
+  const Matrix expected = 1.5 * f.h * f.r * f.c0 * f.r.transpose() * f.h.transpose();
+  const std::vector<Index> slots{0, 1, 2, 3, 4, 5, 6};
+  const Matrix w = f.delassus<double>(slots, 1.5), single = f.delassus<float>(slots, 1.5);
   EXPECT_LT((w - expected).norm() / expected.norm(), 1e-13);
+  EXPECT_LT((single - expected).norm() / expected.norm(), 1e-6);
   EXPECT_EQ((w - w.transpose()).norm(), 0);
+  EXPECT_EQ((single - single.transpose()).norm(), 0);
+}
+
+TEST(DelassusOperator, DoesNotDependOnTheSlotsToTheBit) {
+  const Fixture f;
+  EXPECT_EQ(f.delassus<float>({0, 1, 2, 3, 4, 5, 6}, 1), f.delassus<float>({3, 6, 0, 5, 1, 2, 4}, 1));
+}
+
+TEST(DelassusOperator, AddsTheRigidPartLikeTheExplicitProduct) {
+  const Fixture f;
+  std::vector<Point> rest;
+  std::vector<Vec3> points;
+  for (int k = 0; k < Fixture::nodes; ++k) {
+    points.emplace_back(0.1 * k, 0.05 * (k % 3), 0.03 * (k % 2));
+    rest.push_back(as_point(points.back()));
+  }
+  const RigidModes modes(rest, std::vector<double>(rest.size(), 0.2));
+  Matrix rigid(3 * Fixture::nodes, 3 * Fixture::nodes);
+  for (int a = 0; a < Fixture::nodes; ++a)
+    for (int b = 0; b < Fixture::nodes; ++b)
+      rigid.block<3, 3>(3 * a, 3 * b) = modes.block(points[std::size_t(a)], points[std::size_t(b)]);
+  const Matrix expected = -0.7 * f.h * f.r * rigid * f.r.transpose() * f.h.transpose();
+  Matrix w = Matrix::Zero(expected.rows(), expected.cols());
+  DelassusWork<double> work;
+  add_rigid_to_delassus({f.touches, f.frames, f.rotations}, modes, points, -0.7,
+                        {w.data(), std::size_t(w.size())}, work);
+  mirror_delassus(Fixture::contacts, {w.data(), std::size_t(w.size())});
+  EXPECT_LT((w - expected).norm() / expected.norm(), 1e-13);
+}
+
+TEST(DelassusOperator, MirrorsEverySize) {
+  for (const std::size_t count : {1, 2, 5, 6, 11, 16, 17}) {
+    const auto size = Eigen::Index(3 * count);
+    Matrix w = Matrix::Zero(size, size);
+    for (Eigen::Index i = 0; i < size; ++i)
+      for (Eigen::Index j = 0; j <= i; ++j) w(i, j) = double(100 * i + j + 1);
+    const Matrix lower = w.triangularView<Eigen::Lower>();
+    mirror_delassus(count, {w.data(), std::size_t(w.size())});
+    EXPECT_EQ(w, w.transpose());
+    EXPECT_EQ(Matrix(w.triangularView<Eigen::Lower>()), lower);
+  }
 }
 
 }  // namespace

@@ -35,6 +35,7 @@ struct Outcome {
   Eigen::MatrixXd w;       ///< in world coordinates
   Eigen::VectorXd forces;  ///< by contact, in world coordinates
   std::vector<Point> positions;
+  std::vector<Index> surface;  ///< nodes of the compliance
 };
 
 // One step of the turned body pressed 2 mm into a plane that cuts its lowest corner off.
@@ -68,7 +69,21 @@ Outcome press(const Mat3& rotation, ContactMethod method, const Mat3& world_rota
   outcome.w = frames * w * frames.transpose();
   outcome.forces = frames * Eigen::Map<const Eigen::VectorXd>(problem.force.data(), size);
   outcome.positions.assign(world.positions(id).begin(), world.positions(id).end());
+  outcome.surface = body->compliances()[0].nodes;
   return outcome;
+}
+
+// The motion of inner nodes comes from a factor in half precision (RestExtension): exact to 1e-3 of the
+// largest correction, here about the 2 mm that the corner is pushed back. Contacts never see it.
+constexpr double surface_bound = 1e-6 * 0.2, inner_bound = 1e-3 * 0.002;
+
+double surface_error(const Outcome& a, const Outcome& b, const Mat3& turn) {
+  double worst = 0;
+  for (const Index k : a.surface)
+    worst = std::max(
+        worst,
+        (turn * as_vec3(a.positions[std::size_t(k)]) - as_vec3(b.positions[std::size_t(k)])).norm());
+  return worst;
 }
 
 double position_error(const Outcome& a, const Outcome& b, const Mat3& turn) {
@@ -88,7 +103,8 @@ TEST_P(TurnedBody, HasTheExactDelassusOperatorForcesAndPositions) {
     ASSERT_GT(exact.forces.norm(), 0);
     EXPECT_LT((warped.w - exact.w).norm() / exact.w.norm(), 1e-6);
     EXPECT_LT((warped.forces - exact.forces).norm() / exact.forces.norm(), 1e-6);
-    EXPECT_LT(position_error(warped, exact, Mat3::Identity()), 1e-6 * 0.2);
+    EXPECT_LT(surface_error(warped, exact, Mat3::Identity()), surface_bound);
+    EXPECT_LT(position_error(warped, exact, Mat3::Identity()), inner_bound);
   }
 }
 

@@ -55,5 +55,16 @@ TEST(NodeSelection, RefusesNoneAndAllAndNamesTheBox) {
   }
 }
 
+TEST(NodeSelection, ARegionMayHoldAllNodesButNotNone) {
+  const auto all = select_region(BoxSelection{{-1, -1, -1}, {9, 9, 9}}, grid(), "here");
+  ASSERT_TRUE(all.ok());
+  EXPECT_EQ(all->size(), 64u);
+  const auto none = select_region(SphereSelection{{9, 9, 9}, 1}, grid(), "[[compliance]] tip");
+  ASSERT_FALSE(none.ok());
+  EXPECT_EQ(none.issue().code, IssueCode::compliance_region_empty);
+  EXPECT_EQ(none.issue().where, "[[compliance]] tip");
+  EXPECT_NE(none.issue().mend.find("[3, 3, 3]"), std::string::npos) << none.issue().mend;
+}
+
 }  // namespace
 }  // namespace souple

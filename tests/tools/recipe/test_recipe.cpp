@@ -55,6 +55,11 @@ nearest = { point = [0, 0, 1], count = 3 }
 [[compliance]]
 name = "fast"
 time_step_s = 0.001
+tolerance = 0.05
+error_norm = "worst-column"
+nodes = { sphere = { centre = [0, 0, 0.1], radius_m = 0.02 } }
+coarsening = 1
+way = "by-solves"
 [[compliance]]
 name = "held"
 kind = "static"
@@ -97,6 +102,82 @@ TEST(Recipe, ReadsEveryKey) {
   EXPECT_EQ(recipe->compliances[1].kind, ComplianceKind::static_equilibrium);
   EXPECT_EQ(recipe->compliances[1].time_step_s, 0);
   EXPECT_EQ(recipe->compliances[1].scalar, ScalarType::float64);
+}
+
+TEST(Recipe, ReadsHowAComplianceIsStored) {
+  const auto recipe = parse_recipe(full_recipe, "r.toml");
+  ASSERT_TRUE(recipe.ok());
+  const ComplianceRequest& fast = recipe->compliances[0];
+  EXPECT_EQ(fast.tolerance, 0.05);
+  EXPECT_EQ(fast.error_norm, "worst-column");
+  ASSERT_TRUE(fast.nodes.has_value());
+  EXPECT_EQ(std::get<SphereSelection>(*fast.nodes).radius_m, 0.02);
+  EXPECT_EQ(fast.coarsening, 1);
+  EXPECT_EQ(fast.way, "by-solves");
+  EXPECT_EQ(recipe->compliances[1].tolerance, 0) << "a scalar type alone asks for the dense form";
+  EXPECT_EQ(recipe->compliances[1].way, "auto");
+  const auto plain = parse_recipe("[[compliance]]", "r.toml");
+  ASSERT_TRUE(plain.ok());
+  EXPECT_EQ(plain->compliances[0].tolerance, 1e-3);
+  EXPECT_EQ(plain->compliances[0].error_norm, "scaled-spectral");
+}
+
+TEST(Recipe, RefusesStorageOutOfRangeOrInContradiction) {
+  const auto entry = [](const std::string& keys) {
+    return code_of("[surface]\nfile = \"a.obj\"\n[[compliance]]\n" + keys);
+  };
+  EXPECT_EQ(entry("tolerance = 0.5"), IssueCode{});
+  EXPECT_EQ(entry("tolerance = 0"), IssueCode{});
+  for (const char* wrong :
+       {"tolerance = 0.51", "tolerance = -1e-3", "tolerance = nan", "tolerance = \"fine\"",
+        "error_norm = \"max\"", "coarsening = 2", "coarsening = -1", "coarsening = 0.5",
+        "way = \"magic\"", "nodes = {}", "nodes = { group = \"x\" }",
+        "nodes = { nearest = {point=[0,0,0]}, sphere = {centre=[0,0,0], radius_m=1} }",
+        "nodes = { sphere = {centre=[0,0,0], radius_m=-1} }"})
+    EXPECT_EQ(entry(wrong), IssueCode::config_bad_value) << wrong;
+  EXPECT_EQ(entry("tolerence = 1e-3"), IssueCode::config_unknown_key);
+  EXPECT_EQ(entry("nodes = { sphere = {centre=[0,0,0], radius_m=1}, all = true }"),
+            IssueCode::config_unknown_key);
+  for (const char* contradiction :
+       {"tolerance = 1e-3\nscalar = \"float32\"", "scalar = \"float32\"\nerror_norm = \"frobenius\"",
+        "tolerance = 0\nerror_norm = \"frobenius\"", "tolerance = 0\nway = \"by-solves\"",
+        "scalar = \"float64\"\nway = \"by-solves\""})
+    EXPECT_EQ(entry(contradiction), IssueCode::usage_conflict) << contradiction;
+}
+
+TEST(Recipe, RefusesACoarseComplianceOfABodyOfOneLevel) {
+  const std::string coarse = "[[compliance]]\ncoarsening = 1\n";
+  const std::string surface = "[surface]\nfile = \"a.obj\"\n";
+  EXPECT_EQ(code_of(surface + "[mesh]\nlevels = 1\n" + coarse), IssueCode::recipe_needs_coarser_level);
+  EXPECT_EQ(code_of(surface + "[mesh]\nlevels = 2\n" + coarse), IssueCode{});
+  EXPECT_EQ(code_of("[surface]\nfile = \"a.msh\"\n" + coarse), IssueCode::recipe_needs_coarser_level);
+}
+
+TEST(Recipe, RefusesTwoCompliancesThatScenesCouldNotTellApart) {
+  const std::string surface =
+      "[surface]\nfile = \"a.obj\"\n[[fixed]]\nname = \"f\"\nnearest = {point=[0,0,0], count=3}\n";
+  const auto two = [&](const std::string& a, const std::string& b) {
+    return code_of(surface + "[[compliance]]\nname = \"a\"\n" + a + "\n[[compliance]]\nname = \"b\"\n" +
+                   b + "\n");
+  };
+  EXPECT_EQ(two("", ""), IssueCode::recipe_same_compliance);
+  EXPECT_EQ(two("time_step_s = 0.01", ""), IssueCode::recipe_same_compliance);
+  EXPECT_EQ(two("way = \"dense\"", ""), IssueCode::recipe_same_compliance);
+  EXPECT_EQ(two("kind = \"static\"\nfixed = \"f\"", "kind = \"static\"\nfixed = \"f\""),
+            IssueCode::recipe_same_compliance);
+  for (const char* other : {"time_step_s = 0.02", "tolerance = 0.01", "fixed = \"f\"", "tolerance = 0",
+                            "error_norm = \"frobenius\"", "coarsening = 1",
+                            "nodes = { nearest = {point=[0,0,0], count=9} }"})
+    EXPECT_EQ(two("", other), IssueCode{}) << other;
+}
+
+TEST(Recipe, CompliancesThatWereStoredDenseAreBakedDenseAgain) {
+  const auto old = parse_recipe(
+      "[surface]\nfile = \"a.obj\"\n[[compliance]]\nname = \"x\"\nkind = \"dynamic\"\n"
+      "time_step_s = 0.01\nscalar = \"float32\"\n",
+      "an asset of format 1.1");
+  ASSERT_TRUE(old.ok());
+  EXPECT_EQ(old->compliances[0].tolerance, 0);
 }
 
 TEST(Recipe, EmptyTextIsTheDefaultsOfASoftOrgan) {
@@ -276,15 +357,31 @@ TEST(RecipeOverride, RefusesEveryTextThatIsNotANumberInRange) {
 
 TEST(RecipeOverride, TimeStepNeedsExactlyOneDynamicCompliance) {
   Recipe recipe;
-  ASSERT_TRUE(override_compliance(recipe, "0.005", std::nullopt).ok());
+  ASSERT_TRUE(override_compliances(recipe, {.time_step_s = "0.005"}).ok());
   EXPECT_EQ(recipe.compliances[0].time_step_s, 0.005);
-  ASSERT_TRUE(override_compliance(recipe, std::nullopt, "float64").ok());
-  EXPECT_EQ(recipe.compliances[0].scalar, ScalarType::float64);
-  EXPECT_EQ(override_compliance(recipe, "0", std::nullopt).issue().code, IssueCode::usage_bad_value);
-  EXPECT_EQ(override_compliance(recipe, std::nullopt, "float16").issue().code,
-            IssueCode::usage_bad_value);
+  for (const char* text : {"0", "-0.01", "nan", ""})
+    EXPECT_EQ(override_compliances(recipe, {.time_step_s = text}).issue().code,
+              IssueCode::usage_bad_value);
   recipe.compliances.emplace_back().name = "second";
-  EXPECT_EQ(override_compliance(recipe, "0.01", std::nullopt).issue().code, IssueCode::usage_conflict);
+  EXPECT_EQ(override_compliances(recipe, {.time_step_s = "0.01"}).issue().code,
+            IssueCode::usage_conflict);
+}
+
+TEST(RecipeOverride, AToleranceCompressesAndAScalarTypeMakesDense) {
+  Recipe recipe;
+  ASSERT_TRUE(override_compliances(recipe, {.tolerance = "0.02"}).ok());
+  EXPECT_EQ(recipe.compliances[0].tolerance, 0.02);
+  ASSERT_TRUE(override_compliances(recipe, {.scalar = "float64"}).ok());
+  EXPECT_EQ(recipe.compliances[0].scalar, ScalarType::float64);
+  EXPECT_EQ(recipe.compliances[0].tolerance, 0);
+  ASSERT_TRUE(override_compliances(recipe, {.tolerance = "0", .scalar = "float32"}).ok());
+  for (const char* text : {"-0.1", "0.51", "nan", "1e-3x"})
+    EXPECT_EQ(override_compliances(recipe, {.tolerance = text}).issue().code,
+              IssueCode::usage_bad_value);
+  EXPECT_EQ(override_compliances(recipe, {.scalar = "float16"}).issue().code,
+            IssueCode::usage_bad_value);
+  EXPECT_EQ(override_compliances(recipe, {.tolerance = "0.1", .scalar = "float32"}).issue().code,
+            IssueCode::usage_conflict);
 }
 
 TEST(RecipeParameters, MirrorEveryKeyByAnOptionOfItsOwn) {

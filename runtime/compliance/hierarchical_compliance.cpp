@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/compliance/hierarchical_compliance.hpp"
+
+#include <algorithm>
+
+#include "runtime/compliance/block_gather.hpp"
+#include "runtime/compliance/block_scatter.hpp"
+
+namespace souple {
+
+bool HierarchicalCompliance::ready(std::span<const Index> rows) const {
+  bool all = true;
+  for (const Index row : rows)
+    all = records_->make_ready(records_->leaf_of(records_->position_of(row))) && all;
+  return all;
+}
+
+bool HierarchicalCompliance::ready_to_apply(std::span<const Index> rows) const {
+  if (rows.empty()) return true;
+  bool all = true;
+  for (Index leaf = 0; leaf < records_->leaf_count(); ++leaf) all = records_->make_ready(leaf) && all;
+  return all;
+}
+
+void HierarchicalCompliance::gather(std::span<const Index> rows, std::span<double> out) const {
+  ComplianceWork work;
+  const std::size_t size = 3 * rows.size();
+  std::vector<float> block(size * size);
+  gather_block(rows, rows, block.data(), size, work);
+  std::ranges::copy(block, out.begin());
+}
+
+void HierarchicalCompliance::gather_block(std::span<const Index> rows, std::span<const Index> columns,
+                                          float* out, std::size_t stride, ComplianceWork& work) const {
+  BlockGather(*records_, work, out, stride).run(rows, columns);
+}
+
+void HierarchicalCompliance::apply(std::span<const Index> rows, std::span<const double> force,
+                                   std::span<double> displacement, ComplianceWork& work) const {
+  BlockScatter(*records_, work, displacement).run(rows, force);
+}
+
+}  // namespace souple

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "runtime/compliance/product_kernel.hpp"
+
+#include <cmath>
+
+#if defined(__AVX2__) && defined(__FMA__)
+#include <immintrin.h>
+#endif
+
+namespace souple {
+
+#if defined(__AVX2__) && defined(__FMA__)
+
+namespace {
+
+// One row of a tile: sixteen sums in two registers.
+struct Row {
+  __m256 low = _mm256_setzero_ps(), high = _mm256_setzero_ps();
+  void add(float a, __m256 b_low, __m256 b_high) {
+    const __m256 factor = _mm256_set1_ps(a);
+    low = _mm256_fmadd_ps(factor, b_low, low);
+    high = _mm256_fmadd_ps(factor, b_high, high);
+  }
+  void store(float* out) const {
+    _mm256_storeu_ps(out, low);
+    _mm256_storeu_ps(out + 8, high);
+  }
+};
+
+float sum_of_lanes(__m256 v) {
+  __m128 s = _mm_add_ps(_mm256_castps256_ps128(v), _mm256_extractf128_ps(v, 1));
+  s = _mm_add_ps(s, _mm_movehl_ps(s, s));
+  return _mm_cvtss_f32(_mm_add_ss(s, _mm_movehdup_ps(s)));
+}
+
+}  // namespace
+
+void multiply_tile(const float* a, const float* b, std::size_t terms, float* tile) {
+  Row r0, r1, r2, r3, r4, r5;
+  for (std::size_t k = 0; k < terms; ++k, a += tile_rows, b += tile_columns) {
+    const __m256 low = _mm256_loadu_ps(b), high = _mm256_loadu_ps(b + 8);
+    r0.add(a[0], low, high);
+    r1.add(a[1], low, high);
+    r2.add(a[2], low, high);
+    r3.add(a[3], low, high);
+    r4.add(a[4], low, high);
+    r5.add(a[5], low, high);
+  }
+  r0.store(tile);
+  r1.store(tile + 16);
+  r2.store(tile + 32);
+  r3.store(tile + 48);
+  r4.store(tile + 64);
+  r5.store(tile + 80);
+}
+
+void add_projection(const float* factor, std::size_t rows, std::size_t terms, const float* x,
+                    float* sums) {
+  for (std::size_t k = 0; k < terms; ++k, factor += rows) {
+    __m256 sum = _mm256_setzero_ps();
+    for (std::size_t i = 0; i < rows; i += lane_count)
+      sum = _mm256_fmadd_ps(_mm256_loadu_ps(factor + i), _mm256_loadu_ps(x + i), sum);
+    sums[k] += sum_of_lanes(sum);
+  }
+}
+
+void add_combination(const float* factor, std::size_t rows, std::size_t terms, const float* sums,
+                     float* y) {
+  // Stripes of rows stay in registers over all terms.
+  constexpr std::size_t stripe = 8 * lane_count;
+  std::size_t begin = 0;
+  for (; begin + stripe <= rows; begin += stripe) {
+    __m256 v[8];
+    for (std::size_t r = 0; r < 8; ++r) v[r] = _mm256_loadu_ps(y + begin + 8 * r);
+    const float* f = factor + begin;
+    for (std::size_t k = 0; k < terms; ++k, f += rows) {
+      const __m256 s = _mm256_set1_ps(sums[k]);
+      for (std::size_t r = 0; r < 8; ++r) v[r] = _mm256_fmadd_ps(_mm256_loadu_ps(f + 8 * r), s, v[r]);
+    }
+    for (std::size_t r = 0; r < 8; ++r) _mm256_storeu_ps(y + begin + 8 * r, v[r]);
+  }
+  for (; begin < rows; begin += lane_count) {
+    __m256 v = _mm256_loadu_ps(y + begin);
+    const float* f = factor + begin;
+    for (std::size_t k = 0; k < terms; ++k, f += rows)
+      v = _mm256_fmadd_ps(_mm256_loadu_ps(f), _mm256_set1_ps(sums[k]), v);
+    _mm256_storeu_ps(y + begin, v);
+  }
+}
+
+#else
+
+void multiply_tile(const float* a, const float* b, std::size_t terms, float* tile) {
+  for (std::size_t j = 0; j < tile_rows * tile_columns; ++j) tile[j] = 0;
+  for (std::size_t k = 0; k < terms; ++k, a += tile_rows, b += tile_columns)
+    for (std::size_t i = 0; i < tile_rows; ++i)
+      for (std::size_t j = 0; j < tile_columns; ++j)
+        tile[tile_columns * i + j] = std::fma(a[i], b[j], tile[tile_columns * i + j]);
+}
+
+void add_projection(const float* factor, std::size_t rows, std::size_t terms, const float* x,
+                    float* sums) {
+  for (std::size_t k = 0; k < terms; ++k, factor += rows) {
+    float lanes[lane_count] = {};
+    for (std::size_t i = 0; i < rows; ++i)
+      lanes[i % lane_count] = std::fma(factor[i], x[i], lanes[i % lane_count]);
+    float half[4];
+    for (std::size_t r = 0; r < 4; ++r) half[r] = lanes[r] + lanes[r + 4];
+    sums[k] += (half[0] + half[2]) + (half[1] + half[3]);
+  }
+}
+
+void add_combination(const float* factor, std::size_t rows, std::size_t terms, const float* sums,
+                     float* y) {
+  for (std::size_t k = 0; k < terms; ++k, factor += rows)
+    for (std::size_t i = 0; i < rows; ++i) y[i] = std::fma(factor[i], sums[k], y[i]);
+}
+
+#endif
+
+}  // namespace souple

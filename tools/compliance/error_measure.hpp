@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The certificate: how far S (C~ + shift I) S^T is from C, and the shift that it takes to be positive
+// semi-definite.
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "tools/compliance/hodlr_product.hpp"
+
+namespace souple {
+
+struct MeasuredError {
+  ComplianceError error;  ///< with the shift; solve_residual untouched
+  double shift = 0;       ///< C~ + shift I >= S^-1 C S^-T
+};
+
+double error_in(const ComplianceError& error, ErrorNorm norm);
+
+/// Errors against C. What a search needs costs less than the full certificate.
+class ErrorMeasure {
+ public:
+  virtual ~ErrorMeasure() = default;
+  /// Shift, and the error in the norm of the options; the others may be left out.
+  virtual MeasuredError estimate(const ScaledHodlr& stored) = 0;
+  /// Everything.
+  virtual MeasuredError certify(const ScaledHodlr& stored) = 0;
+  virtual const Eigen::VectorXd& column_norms() const = 0;  ///< of C, in cluster order
+};
+
+/// Frobenius and columns exactly from all entries, in double; eigenvalues by Lanczos on the difference
+/// (single precision), raised by 2 %.
+std::unique_ptr<ErrorMeasure> make_dense_measure(const HodlrMatrix& matrix,
+                                                 const SymmetricSource& source, ErrorNorm norm,
+                                                 WorkerPool& pool);
+/// By products with C only: columns and Frobenius from 64 random sign vectors, raised by 5 % and
+/// (columns, of which the worst counts) 25 %; eigenvalues by block Lanczos, raised by 10 %.
+std::unique_ptr<ErrorMeasure> make_operator_measure(const HodlrMatrix& matrix,
+                                                    const SymmetricOperator& exact, ErrorNorm norm,
+                                                    WorkerPool& pool);
+
+}  // namespace souple

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What follows from the blocks of a HODLR matrix without forming it. Everything is in double, rows in
+// cluster order.
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "tools/compliance/hodlr_matrix.hpp"
+#include "tools/compliance/quantised_matrix.hpp"
+
+namespace souple {
+
+/// S C~ S^T as factors that carry S: block = left right^T.
+struct ScaledHodlr {
+  struct Block {
+    Eigen::MatrixXd left, right;
+  };
+  Index node_count = 0;
+  int depth = 0;
+  std::vector<Block> blocks;            ///< heap order
+  std::vector<Eigen::MatrixXd> leaves;  ///< symmetric
+
+  /// y += factor S C~ S^T x; 3n x k.
+  void add_product(double factor, const Eigen::Ref<const Eigen::MatrixXd>& x,
+                   Eigen::Ref<Eigen::MatrixXd> y) const;
+  /// Norms of the columns.
+  Eigen::VectorXd column_norms() const;
+};
+
+ScaledHodlr scaled_hodlr(const HodlrMatrix& matrix, WorkerPool& pool);
+/// Of the integers: what a reader decodes, before the shift.
+ScaledHodlr scaled_hodlr(const HodlrMatrix& matrix, const QuantisedMatrix& quantised, WorkerPool& pool);
+
+/// L_a of every position as 3x3 matrices.
+std::vector<Eigen::Matrix3d> ordered_scales(const HodlrMatrix& matrix);
+
+}  // namespace souple

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Products with C are solves, so few are made: the search measures against the sampled blocks, which
+// are close to C, and only the certificate against C.
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "tools/compliance/error_measure.hpp"
+#include "tools/compliance/extreme_eigenvalues.hpp"
+
+namespace souple {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr Eigen::Index probe_count = 64, lanczos_columns = 8;
+constexpr int search_steps = 3, certificate_steps = 8;
+constexpr double frobenius_margin = 1.05, column_margin = 1.25, lanczos_margin = 1.1;
+
+MatrixXd random_signs(Eigen::Index rows, Eigen::Index columns) {
+  std::mt19937 random(41);
+  MatrixXd signs(rows, columns);
+  for (Eigen::Index k = 0; k < signs.size(); ++k) signs.data()[k] = random() % 2 == 0 ? 1 : -1;
+  return signs;
+}
+
+class OperatorMeasure final : public ErrorMeasure {
+ public:
+  OperatorMeasure(const HodlrMatrix& matrix, const SymmetricOperator& exact, ErrorNorm norm,
+                  WorkerPool& pool)
+      : order_(matrix.order),
+        exact_(exact),
+        norm_(norm),
+        sampled_(scaled_hodlr(matrix, pool)),
+        scales_(ordered_scales(matrix)),
+        column_norms_(sampled_.column_norms()),
+        signs_(random_signs(size(), probe_count)) {
+    for (std::size_t leaf = 0; leaf < sampled_.leaves.size(); ++leaf)
+      for (Eigen::Index a = 0; 3 * a < sampled_.leaves[leaf].rows(); ++a) {
+        const Eigen::Matrix3d block = sampled_.leaves[leaf].block<3, 3>(3 * a, 3 * a);
+        diagonal_factors_.push_back(block.llt().matrixL());
+      }
+    sampled_signs_ = MatrixXd::Zero(size(), probe_count);
+    sampled_.add_product(1, signs_, sampled_signs_);
+  }
+
+  MeasuredError estimate(const ScaledHodlr& stored) override {
+    return measure(stored, sampled_signs_, search_steps, norm_ == ErrorNorm::scaled_spectral,
+                   [&](const MatrixXd& x, MatrixXd& y) { sampled_.add_product(1, x, y); });
+  }
+
+  MeasuredError certify(const ScaledHodlr& stored) override {
+    if (exact_signs_.size() == 0) exact_signs_ = apply_exact(signs_);
+    return measure(stored, exact_signs_, certificate_steps, true,
+                   [&](const MatrixXd& x, MatrixXd& y) { y += apply_exact(x); });
+  }
+
+  const VectorXd& column_norms() const override { return column_norms_; }
+
+ private:
+  Eigen::Index size() const { return 3 * Eigen::Index(order_.size()); }
+
+  // The operator counts rows, we positions.
+  MatrixXd apply_exact(const MatrixXd& x) const {
+    MatrixXd by_row(x.rows(), x.cols()), image = MatrixXd::Zero(x.rows(), x.cols()),
+                                         y(x.rows(), x.cols());
+    for (std::size_t p = 0; p < order_.size(); ++p)
+      by_row.middleRows<3>(3 * Eigen::Index{order_[p]}) = x.middleRows<3>(3 * Eigen::Index(p));
+    exact_.apply(by_row, image);
+    for (std::size_t p = 0; p < order_.size(); ++p)
+      y.middleRows<3>(3 * Eigen::Index(p)) = image.middleRows<3>(3 * Eigen::Index{order_[p]});
+    return y;
+  }
+
+  template <class AddReference>
+  MeasuredError measure(const ScaledHodlr& stored, const MatrixXd& reference_signs, int steps,
+                        bool with_spectral, const AddReference& add_reference) const {
+    const auto difference = [&](const MatrixXd& x, MatrixXd& y) {
+      y.setZero(x.rows(), x.cols());
+      add_reference(x, y);
+      stored.add_product(-1, x, y);
+    };
+    MeasuredError measured;
+    const EigenvalueRange range = eigenvalues(difference, scales_, 0, steps);
+    measured.shift = std::max(0.0, lanczos_margin * range.largest);
+    MatrixXd image = reference_signs;
+    stored.add_product(-1, signs_, image);
+    add_shift(-measured.shift, signs_, image);
+    const VectorXd squares = image.rowwise().squaredNorm() / double(probe_count);
+    measured.error.frobenius = frobenius_margin * std::sqrt(squares.sum()) / column_norms_.norm();
+    measured.error.worst_column =
+        column_margin * squares.cwiseSqrt().cwiseQuotient(column_norms_).maxCoeff();
+    if (with_spectral) {
+      const EigenvalueRange total = eigenvalues(difference, diagonal_factors_, measured.shift, steps);
+      measured.error.scaled_spectral =
+          lanczos_margin * std::max(std::abs(total.smallest), std::abs(total.largest));
+    }
+    return measured;
+  }
+
+  void add_shift(double shift, const MatrixXd& x, MatrixXd& y) const {
+    for (std::size_t a = 0; a < scales_.size(); ++a)
+      y.middleRows<3>(3 * Eigen::Index(a)) +=
+          shift * (scales_[a] * (scales_[a].transpose() * x.middleRows<3>(3 * Eigen::Index(a))));
+  }
+
+  template <class Difference>
+  EigenvalueRange eigenvalues(const Difference& difference, const std::vector<Eigen::Matrix3d>& factors,
+                              double shift, int steps) const {
+    return extreme_eigenvalues(
+        [&](const MatrixXd& x, MatrixXd& y) {
+          MatrixXd scaled = x;
+          for (std::size_t a = 0; a < factors.size(); ++a)
+            factors[a].transpose().triangularView<Eigen::Upper>().solveInPlace(
+                scaled.middleRows<3>(3 * Eigen::Index(a)));
+          difference(scaled, y);
+          add_shift(-shift, scaled, y);
+          for (std::size_t a = 0; a < factors.size(); ++a)
+            factors[a].triangularView<Eigen::Lower>().solveInPlace(
+                y.middleRows<3>(3 * Eigen::Index(a)));
+        },
+        size(), lanczos_columns, steps);
+  }
+
+  const std::vector<Index> order_;
+  const SymmetricOperator& exact_;
+  const ErrorNorm norm_;
+  const ScaledHodlr sampled_;
+  const std::vector<Eigen::Matrix3d> scales_;
+  const VectorXd column_norms_;
+  const MatrixXd signs_;
+  MatrixXd sampled_signs_, exact_signs_;
+  std::vector<Eigen::Matrix3d> diagonal_factors_;
+};
+
+}  // namespace
+
+std::unique_ptr<ErrorMeasure> make_operator_measure(const HodlrMatrix& matrix,
+                                                    const SymmetricOperator& exact, ErrorNorm norm,
+                                                    WorkerPool& pool) {
+  return std::make_unique<OperatorMeasure>(matrix, exact, norm, pool);
+}
+
+}  // namespace souple
