@@ -43,8 +43,11 @@ BakeOutcome bake_or_exit(const Recipe& recipe) {
   return value_or_exit(bake_asset(recipe, "souple bench", silent));
 }
 
-std::shared_ptr<const SoftBodyAsset> baked_liver(std::int64_t tets, std::int64_t levels) {
-  const auto bytes = value_or_exit(write_asset_memory(bake_or_exit(liver_recipe(tets, levels)).asset));
+std::shared_ptr<const SoftBodyAsset> baked_liver(std::int64_t tets, std::int64_t levels,
+                                                 double tolerance) {
+  Recipe recipe = liver_recipe(tets, levels);
+  recipe.compliances.front().tolerance = tolerance;
+  const auto bytes = value_or_exit(write_asset_memory(bake_or_exit(recipe).asset));
   auto reader = value_or_exit(AssetReader::open_memory(bytes));
   return value_or_exit(load_soft_body(reader));
 }

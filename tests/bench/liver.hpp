@@ -17,7 +17,9 @@ std::filesystem::path data_folder();
 Recipe liver_recipe(std::int64_t tets, std::int64_t levels);
 
 /// Bakes it and reads it back through the asset's bytes. Ends the program with a message if refused.
-std::shared_ptr<const SoftBodyAsset> baked_liver(std::int64_t tets, std::int64_t levels);
+/// `tolerance` of its compliance; 0: plain single-precision scalars.
+std::shared_ptr<const SoftBodyAsset> baked_liver(std::int64_t tets, std::int64_t levels,
+                                                 double tolerance = 1e-3);
 BakeOutcome bake_or_exit(const Recipe& recipe);
 
 /// The value, or the end of the program with the issue on stderr.

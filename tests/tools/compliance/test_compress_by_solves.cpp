@@ -254,7 +254,8 @@ TEST(CompressBySolves, StopsWhenItIsTold) {
   };
   compressed(body, options);
   const int whole_run = asked;
-  for (const int calls : {0, 3, whole_run / 4, whole_run / 2, whole_run - 1}) {
+  // How often it asks depends a little on how the threads fall.
+  for (const int calls : {0, 3, whole_run / 4, whole_run / 2, whole_run - whole_run / 8}) {
     asked = 0;
     options.cancelled = [&] { return asked++ >= calls; };
     const auto result =
