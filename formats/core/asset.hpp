@@ -114,12 +114,12 @@ struct ComplianceHeader {
   ComplianceError error;
   ComplianceRepresentation representation = ComplianceRepresentation::dense_tiled;
   ScalarType scalar = ScalarType::float32;
-  std::int64_t node_count = 0;  ///< n: nodes (rows of 3) that are stored
-  std::int64_t tile_nodes = 0;  ///< dense_tiled only, else 0
+  std::int64_t node_count = 0;     ///< n: nodes (rows of 3) that are stored
+  std::int64_t tile_nodes = 0;     ///< dense_tiled only, else 0
   std::int64_t block_count = 0;    ///< dense_tiled: tiles; hierarchical: leaves
   std::int64_t block_scalars = 0;  ///< dense_tiled: scalars per block; else 0
-  /// hierarchical only: added to C~ times D, the measured error, so that the compliance stays positive
-  /// semi-definite.
+  /// hierarchical only: shift S S^T (S of the index; D for the scaled-spectral norm) is added, the
+  /// measured error, so that the compliance stays positive semi-definite.
   double shift = 0;
   /// 0: the nodes are the finest level's own. 1: the stored rows are nodes of the level below, and the
   /// variant's prolongation carries them to the finest level.
