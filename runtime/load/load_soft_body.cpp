@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "runtime/compliance/open_variant.hpp"
 #include "runtime/load/streaming_block_source.hpp"
 #include "runtime/world/soft_body_asset.hpp"
 
@@ -13,10 +14,6 @@ using Loaded = Result<std::shared_ptr<const SoftBodyAsset>>;
 using LoadedVariant = Result<SoftBodyContent::Variant>;
 using LoadVariant = std::function<LoadedVariant(const std::string& name)>;
 
-std::size_t block_bytes(const ComplianceHeader& header) {
-  return std::size_t(header.block_scalars) * (header.scalar == ScalarType::float32 ? 4 : 8);
-}
-
 SoftBodyContent::Variant with_source(ComplianceVariant stored, std::unique_ptr<BlockSource> source) {
   return {std::move(stored.header), std::move(stored.nodes), std::move(source),
           std::move(stored.prolongation), std::move(stored.hierarchy)};
@@ -25,11 +22,7 @@ SoftBodyContent::Variant with_source(ComplianceVariant stored, std::unique_ptr<B
 LoadedVariant load_variant(AssetReader& reader, const std::string& name) {
   auto stored = reader.read_compliance(name);
   if (!stored) return stored.issue();
-  auto source = stored->header.representation == ComplianceRepresentation::hierarchical
-                    ? std::make_unique<MemoryBlockSource>(std::move(stored->payload),
-                                                          stored->hierarchy.record_begin)
-                    : std::make_unique<MemoryBlockSource>(std::move(stored->payload),
-                                                          block_bytes(stored->header));
+  auto source = memory_source(stored->header, stored->hierarchy, std::move(stored->payload));
   return with_source(std::move(*stored), std::move(source));
 }
 

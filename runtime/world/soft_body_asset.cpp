@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "runtime/compliance/prolonged_compliance.hpp"
+#include "runtime/compliance/open_variant.hpp"
 
 namespace souple {
 namespace {
@@ -78,9 +78,8 @@ Status SoftBodyAsset::add_compliance(SoftBodyContent::Variant variant) {
                         "fixed set \"" + variant.header.fixed_set + "\" is missing", where);
     fixed = set->nodes;
   }
-  auto rest = open_rest_compliance(variant.header, variant.hierarchy, std::move(variant.source));
-  if (rest && prolonged)
-    rest = ProlongedCompliance::create(std::move(*rest), std::move(variant.prolongation), where);
+  auto rest = open_variant(variant.header, variant.hierarchy, std::move(variant.prolongation),
+                           std::move(variant.source));
   if (!rest) return rest.issue();
   auto extension = RestExtension::create(model_, variant.header.mass_factor,
                                          variant.header.stiffness_factor, variant.nodes, fixed);

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "formats/write/asset_writer.hpp"
+#include "runtime/compliance/open_variant.hpp"
 #include "runtime/load/streaming_block_source.hpp"
 #include "tests/bench/liver.hpp"
 #include "tests/bench/row.hpp"
@@ -83,9 +84,7 @@ void measure() {
   std::vector<Point> positions;
   for (const Index node : variant.nodes)
     positions.push_back(asset.levels.back().mesh.nodes[static_cast<std::size_t>(node)]);
-  const auto whole = value_or_exit(open_rest_compliance(
-      variant.header, variant.hierarchy,
-      std::make_unique<MemoryBlockSource>(variant.payload, variant.hierarchy.record_begin)));
+  const auto whole = value_or_exit(open_variant(variant));
   Measured measured;
   for (std::size_t k = 0; k < patch_count; ++k)
     stream_patch(bytes, *whole, patch_around(positions, k * positions.size() / patch_count), measured);

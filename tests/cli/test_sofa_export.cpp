@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "formats/read/asset_reader.hpp"
-#include "runtime/compliance/rest_compliance.hpp"
+#include "runtime/compliance/open_variant.hpp"
 #include "runtime/fem/corotational_model.hpp"
 #include "tests/cli/run_souple.hpp"
 #include "tests/cli/schema_check.hpp"
@@ -61,13 +61,8 @@ void project(MatrixXd& system, const std::vector<Index>& fixed) {
   }
 }
 
-std::unique_ptr<const RestCompliance> open_stored(ComplianceVariant variant) {
-  const ComplianceHeader& h = variant.header;
-  auto source =
-      h.representation == ComplianceRepresentation::hierarchical
-          ? std::make_unique<MemoryBlockSource>(variant.payload, variant.hierarchy.record_begin)
-          : std::make_unique<MemoryBlockSource>(variant.payload, 4 * std::size_t(h.block_scalars));
-  auto stored = open_rest_compliance(h, variant.hierarchy, std::move(source));
+std::unique_ptr<const RestCompliance> open_stored(const ComplianceVariant& variant) {
+  auto stored = open_variant(variant);
   EXPECT_TRUE(stored.ok());
   return stored ? std::move(*stored) : nullptr;
 }

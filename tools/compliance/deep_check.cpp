@@ -10,8 +10,7 @@
 #include <random>
 #include <string>
 
-#include "runtime/compliance/prolonged_compliance.hpp"
-#include "runtime/compliance/rest_compliance.hpp"
+#include "runtime/compliance/open_variant.hpp"
 #include "tools/compliance/rest_solver.hpp"
 
 namespace souple {
@@ -25,19 +24,6 @@ constexpr double claim_margin = 1.1;
 // Entries, and sums of them, are evaluated in single precision.
 constexpr double column_rounding = 2e-6, spectral_rounding = 4e-7;
 constexpr double largest_residual = 1e-6;
-
-Result<std::unique_ptr<const RestCompliance>> open_variant(const ComplianceVariant& variant) {
-  const ComplianceHeader& h = variant.header;
-  std::unique_ptr<BlockSource> source;
-  if (h.representation == ComplianceRepresentation::hierarchical)
-    source = std::make_unique<MemoryBlockSource>(variant.payload, variant.hierarchy.record_begin);
-  else
-    source = std::make_unique<MemoryBlockSource>(
-        variant.payload, std::size_t(h.block_scalars) * (h.scalar == ScalarType::float32 ? 4 : 8));
-  auto stored = open_rest_compliance(h, variant.hierarchy, std::move(source));
-  if (!stored || variant.prolongation.empty()) return stored;
-  return ProlongedCompliance::create(std::move(*stored), variant.prolongation, "compliance/" + h.name);
-}
 
 /// The exact compliance on the variant's nodes, and the stored one, as operators on 3n vectors.
 class Pair {

@@ -10,7 +10,7 @@
 #include <numeric>
 #include <utility>
 
-#include "runtime/compliance/prolonged_compliance.hpp"
+#include "runtime/compliance/open_variant.hpp"
 #include "tools/compliance/check_support.hpp"
 #include "tools/compliance/compliance_probes.hpp"
 #include "tools/compliance/compliance_system.hpp"
@@ -334,23 +334,10 @@ class Precompute {
     if (!factor) return factor.issue();
     auto exact = gram<float>(fine, *factor);
     if (!exact) return exact.issue();
-    auto stored = open_stored(variant);
+    auto stored = open_variant(variant);
     if (!stored) return stored.issue();
     measure_stored(*exact->source, **stored, exact->product, variant.header.error);
     return {};
-  }
-
-  static Result<std::unique_ptr<const RestCompliance>> open_stored(const ComplianceVariant& variant) {
-    const ComplianceHeader& header = variant.header;
-    const std::size_t scalar_bytes = header.scalar == ScalarType::float32 ? 4 : 8;
-    auto blocks =
-        header.representation == ComplianceRepresentation::dense_tiled
-            ? std::make_unique<MemoryBlockSource>(variant.payload,
-                                                  std::size_t(header.block_scalars) * scalar_bytes)
-            : std::make_unique<MemoryBlockSource>(variant.payload, variant.hierarchy.record_begin);
-    auto rest = open_rest_compliance(header, variant.hierarchy, std::move(blocks));
-    if (!rest) return rest;
-    return ProlongedCompliance::create(std::move(*rest), variant.prolongation, header.name);
   }
 
   bool cancelled() const { return settings_.cancelled && settings_.cancelled(); }

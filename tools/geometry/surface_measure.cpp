@@ -79,19 +79,6 @@ std::size_t count_vertices_with_several_fans(Groups& corners, const std::vector<
 
 }  // namespace
 
-Box bounding_box(const std::vector<Point>& points) {
-  if (points.empty()) return {};
-  Box box{points[0], points[0]};
-  for (const Point& p : points)
-    for (std::size_t k = 0; k < 3; ++k) {
-      box.low[k] = std::min(box.low[k], p[k]);
-      box.high[k] = std::max(box.high[k], p[k]);
-    }
-  return box;
-}
-
-double longest_side(const Box& box) { return std::ranges::max(subtract(box.high, box.low)); }
-
 double signed_volume(const TriangleMesh& mesh) {
   const Box box = bounding_box(mesh.vertices);
   const Point middle = scaled(add(box.low, box.high), 0.5);

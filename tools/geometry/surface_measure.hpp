@@ -6,17 +6,10 @@
 
 #include "formats/core/mesh.hpp"
 #include "formats/core/result.hpp"
+#include "tools/geometry/box.hpp"
 #include "tools/geometry/triangle_bvh.hpp"
 
 namespace souple {
-
-struct Box {
-  Point low{}, high{};
-};
-
-/// Of all points; both corners zero if there are none.
-Box bounding_box(const std::vector<Point>& points);
-double longest_side(const Box& box);
 
 /// Signed volume by the divergence theorem, about the middle of the box: positive if closed and
 /// outward.

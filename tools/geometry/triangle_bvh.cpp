@@ -9,8 +9,6 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t leaf_size = 4;
-
 Point closest_point_on_segment(const Point& p, const Point& a, const Point& b) {
   const Point ab = subtract(b, a);
   const double length2 = squared_norm(ab);
@@ -25,10 +23,10 @@ Point closest_point_on_edges(const Point& p, const Point& a, const Point& b, con
   return best;
 }
 
-double squared_distance_to_box(const Point& p, const Point& low, const Point& high) {
+double squared_distance_to_box(const Point& p, const Box& box) {
   double sum = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double d = std::max({low[k] - p[k], 0.0, p[k] - high[k]});
+    const double d = std::max({box.low[k] - p[k], 0.0, p[k] - box.high[k]});
     sum += d * d;
   }
   return sum;
@@ -45,6 +43,28 @@ void insert_sorted(std::span<ClosestPoint> out, const ClosestPoint& candidate) {
   std::size_t i = out.size() - 1;
   for (; i > 0 && (out[i - 1].triangle < 0 || nearer(candidate, out[i - 1])); --i) out[i] = out[i - 1];
   out[i] = candidate;
+}
+
+std::vector<std::array<Point, 3>> corners_of(const TriangleMesh& mesh) {
+  std::vector<std::array<Point, 3>> corners;
+  corners.reserve(mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles)
+    corners.push_back({mesh.vertices[static_cast<std::size_t>(t[0])],
+                       mesh.vertices[static_cast<std::size_t>(t[1])],
+                       mesh.vertices[static_cast<std::size_t>(t[2])]});
+  return corners;
+}
+
+BoxTree tree_of(const std::vector<std::array<Point, 3>>& triangles) {
+  std::vector<Box> boxes;
+  std::vector<Point> centroids;
+  boxes.reserve(triangles.size());
+  centroids.reserve(triangles.size());
+  for (const auto& c : triangles) {
+    boxes.push_back(bounding_box(c));
+    centroids.push_back(scaled(add(add(c[0], c[1]), c[2]), 1.0 / 3.0));
+  }
+  return {boxes, centroids, 0};
 }
 
 }  // namespace
@@ -65,77 +85,29 @@ Point closest_point_on_triangle(const Point& p, const Point& a, const Point& b, 
   return add_scaled(add_scaled(a, vb / sum, ab), vc / sum, ac);
 }
 
-TriangleBvh::TriangleBvh(const TriangleMesh& mesh) {
-  corners_.reserve(mesh.triangles.size());
-  std::vector<Point> centroids;
-  centroids.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles) {
-    const auto& c = corners_.emplace_back(std::array{mesh.vertices[static_cast<std::size_t>(t[0])],
-                                                     mesh.vertices[static_cast<std::size_t>(t[1])],
-                                                     mesh.vertices[static_cast<std::size_t>(t[2])]});
-    centroids.push_back(scaled(add(add(c[0], c[1]), c[2]), 1.0 / 3.0));
-    order_.push_back(static_cast<Index>(order_.size()));
-  }
-  if (!order_.empty()) build(order_, 0, centroids);
-}
-
-void TriangleBvh::bound(Node& node, std::span<const Index> range) const {
-  node.low = node.high = corners_[static_cast<std::size_t>(range[0])][0];
-  for (const Index t : range)
-    for (const Point& p : corners_[static_cast<std::size_t>(t)])
-      for (std::size_t k = 0; k < 3; ++k) {
-        node.low[k] = std::min(node.low[k], p[k]);
-        node.high[k] = std::max(node.high[k], p[k]);
-      }
-}
-
-// Median split along the longest side: the depth is logarithmic whatever the input.
-Index TriangleBvh::build(std::span<Index> range, std::size_t offset,
-                         const std::vector<Point>& centroids) {
-  const auto self = static_cast<Index>(nodes_.size());
-  Node node;
-  bound(node, range);
-  nodes_.push_back(node);
-  if (range.size() <= leaf_size) {
-    nodes_.back().first = static_cast<Index>(offset);
-    nodes_.back().count = static_cast<Index>(range.size());
-    return self;
-  }
-  const Point side = subtract(node.high, node.low);
-  const auto axis = static_cast<std::size_t>(std::ranges::max_element(side) - side.begin());
-  const std::size_t half = range.size() / 2;
-  std::ranges::nth_element(range, range.begin() + static_cast<std::ptrdiff_t>(half),
-                           [&](Index a, Index b) {
-                             const double ca = centroids[static_cast<std::size_t>(a)][axis];
-                             const double cb = centroids[static_cast<std::size_t>(b)][axis];
-                             return ca != cb ? ca < cb : a < b;
-                           });
-  build(range.first(half), offset, centroids);
-  const Index right = build(range.subspan(half), offset + half, centroids);
-  nodes_[static_cast<std::size_t>(self)].first = right;
-  return self;
-}
+TriangleBvh::TriangleBvh(const TriangleMesh& mesh)
+    : corners_(corners_of(mesh)), tree_(tree_of(corners_)) {}
 
 std::size_t TriangleBvh::nearest(const Point& p, std::span<ClosestPoint> out) const {
   std::ranges::fill(out, ClosestPoint{});
-  if (nodes_.empty() || out.empty()) return 0;
+  const auto nodes = tree_.nodes();
+  if (nodes.empty() || out.empty()) return 0;
   struct Pending {
     Index node;
     double squared_distance;
   };
-  std::array<Pending, 128> stack;  // twice the depth of 2^31 triangles
+  std::array<Pending, BoxTree::deepest_walk> stack;
   std::size_t height = 0;
   const auto push = [&](Index index) {
-    const Node& node = nodes_[static_cast<std::size_t>(index)];
-    stack[height++] = {index, squared_distance_to_box(p, node.low, node.high)};
+    stack[height++] = {index, squared_distance_to_box(p, nodes[static_cast<std::size_t>(index)].box)};
   };
   push(0);
   while (height > 0) {
     const Pending pending = stack[--height];
     if (pending.squared_distance > out.back().squared_distance) continue;
-    const Node& node = nodes_[static_cast<std::size_t>(pending.node)];
+    const BoxTree::Node& node = nodes[static_cast<std::size_t>(pending.node)];
     for (Index i = 0; i < node.count; ++i) {
-      const Index t = order_[static_cast<std::size_t>(node.first + i)];
+      const Index t = tree_.order()[static_cast<std::size_t>(node.first + i)];
       const auto& c = corners_[static_cast<std::size_t>(t)];
       const Point q = closest_point_on_triangle(p, c[0], c[1], c[2]);
       insert_sorted(out, {q, squared_norm(subtract(q, p)), t});

@@ -2,12 +2,14 @@
 // Nearest triangles of a surface. CGAL's AABB tree gives only the single closest one; the fitting of
 // METHOD 3.2 needs three.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <span>
 #include <vector>
 
 #include "formats/core/mesh.hpp"
+#include "tools/geometry/box_tree.hpp"
 
 namespace souple {
 
@@ -33,17 +35,8 @@ class TriangleBvh {
   ClosestPoint closest(const Point& p) const;
 
  private:
-  struct Node {
-    Point low, high;
-    Index first = 0;  ///< leaf: first entry of order_; else the right child (the left one follows)
-    Index count = 0;  ///< triangles of a leaf, 0 for an inner node
-  };
-  Index build(std::span<Index> range, std::size_t offset, const std::vector<Point>& centroids);
-  void bound(Node& node, std::span<const Index> range) const;
-
   std::vector<std::array<Point, 3>> corners_;
-  std::vector<Index> order_;
-  std::vector<Node> nodes_;
+  BoxTree tree_;
 };
 
 }  // namespace souple

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <span>
-#include <vector>
-
 #include "formats/core/asset.hpp"
+#include "tools/geometry/box_tree.hpp"
 
 namespace souple {
 
@@ -17,18 +15,8 @@ class TetTree {
   Embedding containing(const Point& p) const;
 
  private:
-  struct Node {
-    Point low, high;
-    Index first = 0;  ///< leaf: first entry of order_; else the right child (the left one follows)
-    Index count = 0;  ///< tets of a leaf, 0 for an inner node
-  };
-  Index build(std::span<Index> range, std::size_t offset);
-  void bound(Node& node, std::span<const Index> range) const;
-
   const TetMesh& mesh_;
-  std::vector<Point> centroids_;
-  std::vector<Index> order_;
-  std::vector<Node> nodes_;
+  BoxTree tree_;
 };
 
 }  // namespace souple

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "runtime/compliance/rest_compliance.hpp"
+#include "runtime/compliance/open_variant.hpp"
 #include "tests/support/box_mesh.hpp"
 #include "tools/compliance/precompute.hpp"
 
@@ -58,7 +58,7 @@ struct HalfSpace {
     }
     nodes = variant->nodes;
     EXPECT_EQ(nodes, options.nodes);
-    read_back(std::move(*variant));
+    read_back(*variant);
   }
 
   const Point& position(std::size_t row) const { return level.mesh.nodes[std::size_t(nodes[row])]; }
@@ -95,16 +95,8 @@ struct HalfSpace {
   }
 
  private:
-  void read_back(ComplianceVariant variant) {
-    std::unique_ptr<BlockSource> source =
-        variant.header.representation == ComplianceRepresentation::hierarchical
-            ? std::make_unique<MemoryBlockSource>(std::move(variant.payload),
-                                                  variant.hierarchy.record_begin)
-            : std::make_unique<MemoryBlockSource>(
-                  std::move(variant.payload),
-                  std::size_t(variant.header.block_scalars) *
-                      (variant.header.scalar == ScalarType::float32 ? 4 : 8));
-    const auto opened = open_rest_compliance(variant.header, variant.hierarchy, std::move(source));
+  void read_back(const ComplianceVariant& variant) {
+    const auto opened = open_variant(variant);
     ASSERT_TRUE(opened.ok()) << format_issue(opened.issue());
     std::vector<Index> rows(nodes.size());
     for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = Index(k);
