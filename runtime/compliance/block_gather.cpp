@@ -37,6 +37,25 @@ void BlockGather::copy_leaf(Index leaf, Rows rows, Rows columns) {
     }
 }
 
+// Three rows of F, entries `width` apart.
+template <std::size_t width>
+void BlockGather::pack_node(int depth, Index position, float* const (&to)[3]) const {
+  const Index leaf = records_.leaf_of(position);
+  const std::size_t stride = records_.padded_rows(leaf);
+  const auto row = 3 * std::size_t(position - records_.range_of(leaf).begin);
+  const std::size_t first_term = records_.first_term(records_.block_above(leaf, depth));
+  const auto& [l00, l10, l11, l20, l21, l22] = records_.scale_at(position);
+  records_.for_factor(leaf, depth, [&](std::size_t first, const auto* integers, std::size_t count) {
+    for (std::size_t k = first; k < first + count; ++k, integers += stride) {
+      const float unit = records_.unit_of(first_term + k);
+      const auto x = float(integers[row]), y = float(integers[row + 1]), z = float(integers[row + 2]);
+      to[0][k * width] = unit * (l00 * x);
+      to[1][k * width] = unit * (l10 * x + l11 * y);
+      to[2][k * width] = unit * (l20 * x + l21 * y + l22 * z);
+    }
+  });
+}
+
 // Panels of `width` scalar rows, term after term; each has the terms that any of its nodes needs, where
 // others have zeros. `panel_begin` [panels + 1]: terms so far.
 template <std::size_t width>
@@ -52,14 +71,11 @@ std::size_t BlockGather::pack(int depth, Rows nodes, std::vector<float>& panels,
     panel_begin.push_back(panel_begin.back() + terms);
   }
   panels.assign(panel_begin.back() * width, 0.0F);
-  for (std::size_t scalar = 0; scalar < 3 * nodes.size(); ++scalar) {
-    const Index position = position_of(nodes[scalar / 3]), leaf = records_.leaf_of(position);
-    const std::size_t from_stride = records_.padded_rows(leaf);
-    const float* from = records_.factor(leaf, depth) +
-                        3 * std::size_t(position - records_.range_of(leaf).begin) + scalar % 3;
-    float* to = panels.data() + panel_begin[scalar / width] * width + scalar % width;
-    for (std::size_t k = records_.term_count(leaf, depth); k > 0; --k, from += from_stride, to += width)
-      *to = *from;
+  for (std::size_t node = 0; node < nodes.size(); ++node) {
+    float* to[3];
+    for (std::size_t i = 0; i < 3; ++i)
+      to[i] = panels.data() + panel_begin[(3 * node + i) / width] * width + (3 * node + i) % width;
+    pack_node<width>(depth, position_of(nodes[node]), to);
   }
   return count;
 }

@@ -23,6 +23,8 @@ class BlockGather {
   void copy_leaf(Index leaf, Rows rows, Rows columns);
   void multiply(int depth, Rows rows, Rows columns);
   template <std::size_t width>
+  void pack_node(int depth, Index position, float* const (&to)[3]) const;
+  template <std::size_t width>
   std::size_t pack(int depth, Rows nodes, std::vector<float>& panels,
                    std::vector<std::size_t>& panel_begin) const;
   void store_tile(const float* tile, Rows rows, std::size_t first_row, Rows columns,

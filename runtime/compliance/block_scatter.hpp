@@ -21,6 +21,9 @@ class BlockScatter {
   using Rows = std::span<const SortedRow>;
 
   void project(Index leaf, Rows rows, std::span<const double> force);
+  void scale_load(Index leaf);
+  void scale_sums();
+  void combine_factors(Index leaf);
   void load_leaf(Index leaf, Rows rows, std::span<const double> force);
   void descend(int depth, Index cluster, Rows rows, std::span<const double> force);
   void combine(Index leaf, Rows rows, std::span<const double> force);

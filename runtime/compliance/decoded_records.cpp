@@ -12,6 +12,19 @@ namespace {
 
 std::size_t padded(int rows) { return (std::size_t(rows) + lane_count - 1) / lane_count * lane_count; }
 
+// Integers of three bytes are kept as four.
+std::size_t bytes_of(std::uint8_t planes) { return planes <= 2 ? planes : 4; }
+
+// `count` rows of one term, padded with zeros; returns the end.
+template <class Integer>
+std::byte* store_integers(const std::int32_t* values, std::size_t count, std::size_t padded_count,
+                          std::byte* out) {
+  auto* to = reinterpret_cast<Integer*>(out);
+  for (std::size_t k = 0; k < count; ++k) to[k] = static_cast<Integer>(values[k]);
+  std::fill(to + count, to + padded_count, Integer(0));
+  return out + padded_count * sizeof(Integer);
+}
+
 bool fits(std::int32_t value, std::uint8_t planes) {
   const std::int64_t limit = std::int64_t{1} << (8 * planes - 1);
   return value > -limit && value < limit;
@@ -33,40 +46,52 @@ DecodedRecords::DecodedRecords(Index node_count, HierarchicalIndex index, double
       state_(shapes_.size()) {
   for (Index position = 0; position < node_count; ++position)
     position_of_row_[std::size_t(row_at(position))] = position;
+  find_runs();
   begin_.push_back(0);
+  factor_begin_.push_back(0);
   std::size_t most_diagonal = 0, most_factors = 0, most_rows = 0;
   for (const RecordShape& shape : shapes_) {
     const ClusterRange range = range_of(shape.leaf);
     std::fill(leaf_of_position_.begin() + range.begin, leaf_of_position_.begin() + range.end,
               shape.leaf);
-    std::size_t terms = 0;
-    for (const FactorShape& factor : shape.factors) terms += std::size_t(factor.rank);
     const auto rows = std::size_t(shape.rows);
-    begin_.push_back(begin_.back() + padded(shape.rows) * (rows + terms));
+    std::size_t terms = 0;
+    for (const FactorShape& factor : shape.factors) {
+      std::size_t bytes = 0;
+      for (std::size_t k = 0; k < std::size_t(factor.rank); ++k)
+        bytes += bytes_of(index_.planes[factor.first_term + k]);
+      factor_begin_.push_back(factor_begin_.back() + padded(shape.rows) * bytes);
+      terms += std::size_t(factor.rank);
+    }
+    begin_.push_back(begin_.back() + padded(shape.rows) * rows);
     most_diagonal = std::max(most_diagonal, rows * (rows + 1) / 2);
     most_factors = std::max(most_factors, rows * terms);
     most_rows = std::max(most_rows, rows);
   }
-  std::size_t term = 0;
-  for (const Index rank : index_.rank) {
-    first_term_.push_back(term);
-    term += std::size_t(rank);
-  }
   integers_.diagonal.resize(most_diagonal);
   integers_.factors.resize(most_factors);
   scratch_.reserve(most_rows);
-  values_ = std::make_unique_for_overwrite<float[]>(begin_.back());
+  diagonals_ = std::make_unique_for_overwrite<float[]>(begin_.back());
+  factors_ = std::make_unique_for_overwrite<std::byte[]>(factor_begin_.back());
+}
+
+void DecodedRecords::find_runs() {
+  std::size_t term = 0;
+  for (std::size_t block = 0; block < index_.rank.size(); ++block) {
+    first_term_.push_back(term);
+    first_run_.push_back(runs_.size());
+    for (std::size_t k = 0; k < std::size_t(index_.rank[block]); ++k, ++term) {
+      const std::size_t bytes = bytes_of(index_.planes[term]);
+      if (k == 0 || runs_.back().bytes != bytes) runs_.push_back({k, bytes});
+      runs_.back().last = k + 1;
+      units_.push_back(float(double(index_.step[block]) / std::sqrt(double(index_.singular[term]))));
+    }
+  }
+  first_run_.push_back(runs_.size());
 }
 
 std::size_t DecodedRecords::padded_rows(Index leaf) const {
   return padded(shapes_[std::size_t(leaf)].rows);
-}
-
-const float* DecodedRecords::factor(Index leaf, int d) const {
-  const RecordShape& shape = shapes_[std::size_t(leaf)];
-  std::size_t before = std::size_t(shape.rows);
-  for (int above = 0; above < d; ++above) before += std::size_t(shape.factors[std::size_t(above)].rank);
-  return diagonal(leaf) + before * padded(shape.rows);
 }
 
 bool DecodedRecords::make_ready(Index leaf) const {
@@ -111,8 +136,8 @@ bool DecodedRecords::read_integers(const RecordShape& shape, std::span<const std
   return true;
 }
 
-Mat3 DecodedRecords::scale_at(Index position) const {
-  const auto& l = index_.scale[std::size_t(row_at(position))];
+Mat3 DecodedRecords::scale_matrix(Index position) const {
+  const auto& l = scale_at(position);
   Mat3 m;
   m << double(l[0]), 0, 0, double(l[1]), double(l[2]), 0, double(l[3]), double(l[4]), double(l[5]);
   return m;
@@ -122,7 +147,7 @@ void DecodedRecords::store_diagonal(const RecordShape& shape) const {
   const Index first = range_of(shape.leaf).begin, nodes = shape.rows / 3;
   const std::size_t stride = padded(shape.rows);
   const double step = double(index_.leaf_step[std::size_t(shape.leaf)]);
-  float* out = values_.get() + begin_[std::size_t(shape.leaf)];
+  float* out = diagonals_.get() + begin_[std::size_t(shape.leaf)];
   std::fill_n(out, stride * std::size_t(shape.rows), 0.0F);
   for (Index a = 0; a < nodes; ++a)
     for (Index b = 0; b <= a; ++b) {
@@ -134,7 +159,7 @@ void DecodedRecords::store_diagonal(const RecordShape& shape) const {
           block(i, j) = step * integers_.diagonal[std::size_t(row * (row + 1) / 2 + column)];
         }
       if (a == b) block.diagonal().array() += double(shift_);
-      block = (scale_at(first + a) * block * scale_at(first + b).transpose()).eval();
+      block = (scale_matrix(first + a) * block * scale_matrix(first + b).transpose()).eval();
       for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
           if (a == b && j > i) continue;  // rounding may break the symmetry of the product
@@ -147,34 +172,33 @@ void DecodedRecords::store_diagonal(const RecordShape& shape) const {
 
 void DecodedRecords::store_factors(const RecordShape& shape) const {
   const std::size_t stride = padded(shape.rows), rows = std::size_t(shape.rows);
-  float* out = values_.get() + begin_[std::size_t(shape.leaf)] + stride * rows;
   const std::int32_t* value = integers_.factors.data();
-  const Index first = range_of(shape.leaf).begin;
   for (std::size_t d = 0; d < shape.factors.size(); ++d) {
-    const FactorShape& factor = shape.factors[d];
+    const FactorShape& terms = shape.factors[d];
+    std::byte* out = factor(shape.leaf, int(d));
     std::size_t active = 0;
-    for (std::size_t k = 0; k < std::size_t(factor.rank); ++k, value += rows, out += stride) {
-      const double unit =
-          double(index_.step[factor.block]) / std::sqrt(double(index_.singular[factor.first_term + k]));
-      for (std::size_t a = 0; a < rows / 3; ++a) {
-        const Vec3 integer(value[3 * a], value[3 * a + 1], value[3 * a + 2]);
-        if ((integer.array() != 0).any()) active = k + 1;
-        Eigen::Map<Eigen::Vector3f>(out + 3 * a) =
-            (unit * (scale_at(first + Index(a)) * integer)).cast<float>();
-      }
-      std::fill(out + rows, out + stride, 0.0F);
+    for (std::size_t k = 0; k < std::size_t(terms.rank); ++k, value += rows) {
+      if (std::any_of(value, value + rows, [](std::int32_t v) { return v != 0; })) active = k + 1;
+      const std::size_t bytes = bytes_of(index_.planes[terms.first_term + k]);
+      out = bytes == 1   ? store_integers<std::int8_t>(value, rows, stride, out)
+            : bytes == 2 ? store_integers<std::int16_t>(value, rows, stride, out)
+                         : store_integers<std::int32_t>(value, rows, stride, out);
     }
     active_[std::size_t(shape.leaf) * std::size_t(depth_) + d] = std::uint32_t(active);
   }
 }
 
 std::size_t DecodedRecords::resident_bytes() const {
-  std::size_t floats = 0;
-  for (Index leaf = 0; leaf < leaf_count(); ++leaf)
-    if (is_ready(leaf)) floats += begin_[std::size_t(leaf) + 1] - begin_[std::size_t(leaf)];
-  return source_->resident_bytes() + floats * sizeof(float) +
+  std::size_t bytes = 0;
+  for (Index leaf = 0; leaf < leaf_count(); ++leaf) {
+    if (!is_ready(leaf)) continue;
+    const std::size_t first = std::size_t(leaf) * std::size_t(depth_);
+    bytes += (begin_[std::size_t(leaf) + 1] - begin_[std::size_t(leaf)]) * sizeof(float) +
+             factor_begin_[first + std::size_t(depth_)] - factor_begin_[first];
+  }
+  return source_->resident_bytes() + bytes +
          (2 * position_of_row_.size() + index_.order.size()) * sizeof(Index) +
-         index_.scale.size() * sizeof(index_.scale[0]) +
+         index_.scale.size() * sizeof(index_.scale[0]) + units_.size() * sizeof(float) +
          (integers_.diagonal.size() + integers_.factors.size()) * sizeof(std::int32_t);
 }
 

@@ -32,7 +32,19 @@ void HierarchicalCompliance::gather(std::span<const Index> rows, std::span<doubl
 
 void HierarchicalCompliance::gather_block(std::span<const Index> rows, std::span<const Index> columns,
                                           float* out, std::size_t stride, ComplianceWork& work) const {
-  BlockGather(*records_, work, out, stride).run(rows, columns);
+  if (table_)
+    table_->read_block(sort_rows(*records_, rows, work.sorted_rows),
+                       sort_rows(*records_, columns, work.sorted_columns), out, stride);
+  else
+    BlockGather(*records_, work, out, stride).run(rows, columns);
+}
+
+void HierarchicalCompliance::gather_lower(std::span<const Index> rows, float* out, std::size_t stride,
+                                          ComplianceWork& work) const {
+  if (table_)
+    table_->read_lower(sort_rows(*records_, rows, work.sorted_rows), out, stride);
+  else
+    RestCompliance::gather_lower(rows, out, stride, work);
 }
 
 void HierarchicalCompliance::apply(std::span<const Index> rows, std::span<const double> force,

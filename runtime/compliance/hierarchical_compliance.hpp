@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "runtime/compliance/decoded_records.hpp"
+#include "runtime/compliance/pair_table.hpp"
 #include "runtime/compliance/rest_compliance.hpp"
 
 namespace souple {
@@ -12,8 +13,10 @@ namespace souple {
 /// records that the force reaches.
 class HierarchicalCompliance final : public RestCompliance {
  public:
-  explicit HierarchicalCompliance(std::unique_ptr<const DecodedRecords> records)
-      : records_(std::move(records)) {}
+  /// Without a table blocks are evaluated from the factors.
+  explicit HierarchicalCompliance(std::unique_ptr<const DecodedRecords> records,
+                                  std::unique_ptr<const PairTable> table = {})
+      : records_(std::move(records)), table_(std::move(table)) {}
 
   Index row_count() const override { return records_->node_count(); }
   bool ready(std::span<const Index> rows) const override;
@@ -22,13 +25,19 @@ class HierarchicalCompliance final : public RestCompliance {
   void gather(std::span<const Index> rows, std::span<double> out) const override;
   void gather_block(std::span<const Index> rows, std::span<const Index> columns, float* out,
                     std::size_t stride, ComplianceWork& work) const override;
+  void gather_lower(std::span<const Index> rows, float* out, std::size_t stride,
+                    ComplianceWork& work) const override;
+  Index order_of(Index row) const override { return records_->position_of(row); }
+  bool gathers_at_once() const override { return table_ != nullptr; }
   /// Rows whose record is not there (ready_to_apply) get the displacement zero.
   void apply(std::span<const Index> rows, std::span<const double> force, std::span<double> displacement,
              ComplianceWork& work) const override;
-  std::size_t resident_bytes() const override { return records_->resident_bytes(); }
+  std::size_t resident_bytes() const override { return records_->resident_bytes() + table_bytes(); }
+  std::size_t table_bytes() const override { return table_ ? table_->bytes() : 0; }
 
  private:
   std::unique_ptr<const DecodedRecords> records_;
+  std::unique_ptr<const PairTable> table_;
 };
 
 }  // namespace souple

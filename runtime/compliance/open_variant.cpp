@@ -20,8 +20,9 @@ std::unique_ptr<BlockSource> memory_source(const ComplianceHeader& header,
 Result<std::unique_ptr<const RestCompliance>> open_variant(const ComplianceHeader& header,
                                                            const HierarchicalIndex& hierarchy,
                                                            std::vector<RowProlongation> prolongation,
-                                                           std::unique_ptr<BlockSource> source) {
-  auto rest = open_rest_compliance(header, hierarchy, std::move(source));
+                                                           std::unique_ptr<BlockSource> source,
+                                                           std::size_t table_bytes) {
+  auto rest = open_rest_compliance(header, hierarchy, std::move(source), table_bytes);
   if (!rest || header.coarsening == 0) return rest;
   return ProlongedCompliance::create(std::move(*rest), std::move(prolongation),
                                      "compliance/" + header.name);

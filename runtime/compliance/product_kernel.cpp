@@ -27,6 +27,19 @@ struct Row {
   }
 };
 
+__m256 eight(const float* values) { return _mm256_loadu_ps(values); }
+__m256 eight(const std::int8_t* integers) {
+  return _mm256_cvtepi32_ps(
+      _mm256_cvtepi8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(integers))));
+}
+__m256 eight(const std::int16_t* integers) {
+  return _mm256_cvtepi32_ps(
+      _mm256_cvtepi16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(integers))));
+}
+__m256 eight(const std::int32_t* integers) {
+  return _mm256_cvtepi32_ps(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(integers)));
+}
+
 float sum_of_lanes(__m256 v) {
   __m128 s = _mm_add_ps(_mm256_castps256_ps128(v), _mm256_extractf128_ps(v, 1));
   s = _mm_add_ps(s, _mm_movehl_ps(s, s));
@@ -54,37 +67,54 @@ void multiply_tile(const float* a, const float* b, std::size_t terms, float* til
   r5.store(tile + 80);
 }
 
-void add_projection(const float* factor, std::size_t rows, std::size_t terms, const float* x,
+template <class Number>
+void add_projection(const Number* factor, std::size_t rows, std::size_t terms, const float* x,
                     float* sums) {
   for (std::size_t k = 0; k < terms; ++k, factor += rows) {
     __m256 sum = _mm256_setzero_ps();
     for (std::size_t i = 0; i < rows; i += lane_count)
-      sum = _mm256_fmadd_ps(_mm256_loadu_ps(factor + i), _mm256_loadu_ps(x + i), sum);
+      sum = _mm256_fmadd_ps(eight(factor + i), _mm256_loadu_ps(x + i), sum);
     sums[k] += sum_of_lanes(sum);
   }
 }
 
-void add_combination(const float* factor, std::size_t rows, std::size_t terms, const float* sums,
-                     float* y) {
-  // Stripes of rows stay in registers over all terms.
-  constexpr std::size_t stripe = 8 * lane_count;
-  std::size_t begin = 0;
-  for (; begin + stripe <= rows; begin += stripe) {
-    __m256 v[8];
-    for (std::size_t r = 0; r < 8; ++r) v[r] = _mm256_loadu_ps(y + begin + 8 * r);
-    const float* f = factor + begin;
-    for (std::size_t k = 0; k < terms; ++k, f += rows) {
-      const __m256 s = _mm256_set1_ps(sums[k]);
-      for (std::size_t r = 0; r < 8; ++r) v[r] = _mm256_fmadd_ps(_mm256_loadu_ps(f + 8 * r), s, v[r]);
-    }
-    for (std::size_t r = 0; r < 8; ++r) _mm256_storeu_ps(y + begin + 8 * r, v[r]);
+namespace {
+
+// The first 8 `count` rows: they stay in registers over all terms.
+template <std::size_t count, class Number>
+void add_stripe(const Number* factor, std::size_t rows, std::size_t terms, const float* sums,
+                float* y) {
+  __m256 v[count];
+  for (std::size_t r = 0; r < count; ++r) v[r] = _mm256_loadu_ps(y + lane_count * r);
+  for (std::size_t k = 0; k < terms; ++k, factor += rows) {
+    const __m256 s = _mm256_set1_ps(sums[k]);
+    for (std::size_t r = 0; r < count; ++r)
+      v[r] = _mm256_fmadd_ps(eight(factor + lane_count * r), s, v[r]);
   }
-  for (; begin < rows; begin += lane_count) {
-    __m256 v = _mm256_loadu_ps(y + begin);
-    const float* f = factor + begin;
-    for (std::size_t k = 0; k < terms; ++k, f += rows)
-      v = _mm256_fmadd_ps(_mm256_loadu_ps(f), _mm256_set1_ps(sums[k]), v);
-    _mm256_storeu_ps(y + begin, v);
+  for (std::size_t r = 0; r < count; ++r) _mm256_storeu_ps(y + lane_count * r, v[r]);
+}
+
+// add_stripe<count>.
+template <class Number, std::size_t most = 12>
+void add_stripe_of(std::size_t count, const Number* factor, std::size_t rows, std::size_t terms,
+                   const float* sums, float* y) {
+  if (count == most) return add_stripe<most>(factor, rows, terms, sums, y);
+  if constexpr (most > 1) add_stripe_of<Number, most - 1>(count, factor, rows, terms, sums, y);
+}
+
+}  // namespace
+
+// By stripes of about the same height, as high as the registers hold.
+template <class Number>
+void add_combination(const Number* factor, std::size_t rows, std::size_t terms, const float* sums,
+                     float* y) {
+  constexpr std::size_t most = 12;
+  const std::size_t count = rows / lane_count;
+  const std::size_t stripes = (count + most - 1) / most;
+  for (std::size_t stripe = 0; stripe < stripes; ++stripe) {
+    const std::size_t first = stripe * count / stripes, last = (stripe + 1) * count / stripes;
+    add_stripe_of<Number>(last - first, factor + lane_count * first, rows, terms, sums,
+                          y + lane_count * first);
   }
 }
 
@@ -98,24 +128,35 @@ void multiply_tile(const float* a, const float* b, std::size_t terms, float* til
         tile[tile_columns * i + j] = std::fma(a[i], b[j], tile[tile_columns * i + j]);
 }
 
-void add_projection(const float* factor, std::size_t rows, std::size_t terms, const float* x,
+template <class Number>
+void add_projection(const Number* factor, std::size_t rows, std::size_t terms, const float* x,
                     float* sums) {
   for (std::size_t k = 0; k < terms; ++k, factor += rows) {
     float lanes[lane_count] = {};
     for (std::size_t i = 0; i < rows; ++i)
-      lanes[i % lane_count] = std::fma(factor[i], x[i], lanes[i % lane_count]);
+      lanes[i % lane_count] = std::fma(float(factor[i]), x[i], lanes[i % lane_count]);
     float half[4];
     for (std::size_t r = 0; r < 4; ++r) half[r] = lanes[r] + lanes[r + 4];
     sums[k] += (half[0] + half[2]) + (half[1] + half[3]);
   }
 }
 
-void add_combination(const float* factor, std::size_t rows, std::size_t terms, const float* sums,
+template <class Number>
+void add_combination(const Number* factor, std::size_t rows, std::size_t terms, const float* sums,
                      float* y) {
   for (std::size_t k = 0; k < terms; ++k, factor += rows)
-    for (std::size_t i = 0; i < rows; ++i) y[i] = std::fma(factor[i], sums[k], y[i]);
+    for (std::size_t i = 0; i < rows; ++i) y[i] = std::fma(float(factor[i]), sums[k], y[i]);
 }
 
 #endif
+
+#define SOUPLE_PRODUCTS(Number)                                                                \
+  template void add_projection(const Number*, std::size_t, std::size_t, const float*, float*); \
+  template void add_combination(const Number*, std::size_t, std::size_t, const float*, float*);
+SOUPLE_PRODUCTS(float)
+SOUPLE_PRODUCTS(std::int8_t)
+SOUPLE_PRODUCTS(std::int16_t)
+SOUPLE_PRODUCTS(std::int32_t)
+#undef SOUPLE_PRODUCTS
 
 }  // namespace souple

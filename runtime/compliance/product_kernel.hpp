@@ -4,6 +4,7 @@
 // the tile that it is computed in.
 #pragma once
 #include <cstddef>
+#include <cstdint>
 
 namespace souple {
 
@@ -14,11 +15,14 @@ inline constexpr std::size_t lane_count = 8;
 /// tile (6 x 16, row-major) = sum over k < terms of a[6 k + i] b[16 k + j].
 void multiply_tile(const float* a, const float* b, std::size_t terms, float* tile);
 
-/// sums[k] += factor[k * rows + i] x[i] over all i, for k < terms; `rows` a multiple of 8.
-void add_projection(const float* factor, std::size_t rows, std::size_t terms, const float* x,
+/// sums[k] += factor[k * rows + i] x[i] over all i, for k < terms; `rows` a multiple of 8. Number:
+/// std::int8_t, std::int16_t, std::int32_t or float.
+template <class Number>
+void add_projection(const Number* factor, std::size_t rows, std::size_t terms, const float* x,
                     float* sums);
 /// y[i] += factor[k * rows + i] sums[k] over all k < terms.
-void add_combination(const float* factor, std::size_t rows, std::size_t terms, const float* sums,
+template <class Number>
+void add_combination(const Number* factor, std::size_t rows, std::size_t terms, const float* sums,
                      float* y);
 
 }  // namespace souple

@@ -31,6 +31,7 @@ class ProlongedCompliance final : public RestCompliance {
   void apply(std::span<const Index> rows, std::span<const double> force, std::span<double> displacement,
              ComplianceWork& work) const override;
   std::size_t resident_bytes() const override;
+  std::size_t table_bytes() const override { return coarse_->table_bytes(); }
 
  private:
   ProlongedCompliance(std::unique_ptr<const RestCompliance> coarse,

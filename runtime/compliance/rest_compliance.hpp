@@ -42,16 +42,28 @@ class RestCompliance {
   /// C_ji^T to the bit: what was evaluated for one step can be kept for the next.
   virtual void gather_block(std::span<const Index> rows, std::span<const Index> columns, float* out,
                             std::size_t stride, ComplianceWork& work) const = 0;
+  /// The same for rows x rows, but only blocks (a, b) with b <= a are to be relied on; others may be
+  /// overwritten up to column 3 |rows|. `rows` ascend by order_of, each once.
+  virtual void gather_lower(std::span<const Index> rows, float* out, std::size_t stride,
+                            ComplianceWork& work) const;
+  /// Where a row stands in the order in which rows are gathered fastest: a bijection of [0, n).
+  virtual Index order_of(Index row) const { return row; }
+  /// Whether gather_lower costs no more than copying what it gives.
+  virtual bool gathers_at_once() const { return false; }
   /// displacement = C0(:, rows) force: `force` holds 3 values per row, `displacement` 3n.
   virtual void apply(std::span<const Index> rows, std::span<const double> force,
                      std::span<double> displacement, ComplianceWork& work) const = 0;
   virtual std::size_t resident_bytes() const = 0;
+  /// Of these, what serves to gather faster (PairTable).
+  virtual std::size_t table_bytes() const { return 0; }
 };
 
 /// Opens the representation that the header names. Issues: unsupported_feature, asset_corrupt (sizes).
 /// `hierarchy` matters to the hierarchical one only; block i of `source` is the record of leaf i there.
+/// It gets a PairTable if that needs no more than `table_bytes` and all records are in memory.
 Result<std::unique_ptr<const RestCompliance>> open_rest_compliance(const ComplianceHeader& header,
                                                                    const HierarchicalIndex& hierarchy,
-                                                                   std::unique_ptr<BlockSource> source);
+                                                                   std::unique_ptr<BlockSource> source,
+                                                                   std::size_t table_bytes = 0);
 
 }  // namespace souple

@@ -2,6 +2,9 @@
 #include "runtime/contact/delassus_operator.hpp"
 
 #include <algorithm>
+#if defined(__AVX2__) && defined(__FMA__)
+#include <immintrin.h>
+#endif
 
 namespace souple {
 namespace {
@@ -26,31 +29,130 @@ void contact_jacobians(const ContactGeometry& body, std::vector<Scalar>& jacobia
   }
 }
 
-// rows (3 x size) += or = g times three rows of C0: contiguous, so that it vectorises.
-template <bool add, class Scalar>
-void multiply_rows(const Scalar* g, const Scalar* source, std::size_t stride, std::size_t size,
-                   Scalar* rows) {
-  const Scalar* __restrict s0 = source, * __restrict s1 = source + stride, * __restrict s2 = source + 2 * stride;
-  for (std::size_t i = 0; i < 3; ++i) {
-    Scalar* __restrict row = rows + i * size;
-    const Scalar a = g[i], b = g[4 + i], c = g[8 + i];
-    for (std::size_t k = 0; k < size; ++k)
-      row[k] = (add ? row[k] : Scalar(0)) + (a * s0[k] + b * s1[k] + c * s2[k]);
+#if defined(__AVX2__) && defined(__FMA__)
+constexpr std::size_t lanes = 8;
+
+// The first columns of add_rows in eights; returns how many.
+std::size_t add_rows_wide(const float* g, const float* source, std::size_t stride, std::size_t size,
+                          float* rows, std::size_t width) {
+  __m256 factor[9];
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) factor[3 * i + j] = _mm256_set1_ps(g[4 * j + i]);
+  std::size_t k = 0;
+  for (; k + lanes <= size; k += lanes) {
+    const __m256 s0 = _mm256_loadu_ps(source + k), s1 = _mm256_loadu_ps(source + stride + k),
+                 s2 = _mm256_loadu_ps(source + 2 * stride + k);
+    for (std::size_t i = 0; i < 3; ++i) {
+      __m256 sum = _mm256_loadu_ps(rows + i * width + k);
+      sum = _mm256_fmadd_ps(factor[3 * i], s0, sum);
+      sum = _mm256_fmadd_ps(factor[3 * i + 1], s1, sum);
+      sum = _mm256_fmadd_ps(factor[3 * i + 2], s2, sum);
+      _mm256_storeu_ps(rows + i * width + k, sum);
+    }
+  }
+  return k;
+}
+#else
+std::size_t add_rows_wide(const float*, const float*, std::size_t, std::size_t, float*, std::size_t) {
+  return 0;
+}
+#endif
+std::size_t add_rows_wide(const double*, const double*, std::size_t, std::size_t, double*,
+                          std::size_t) {
+  return 0;
+}
+
+// rows (3 x width) += g times three rows of C0, `size` of each.
+template <class Scalar>
+void add_rows(const Scalar* g, const Scalar* source, std::size_t stride, std::size_t size, Scalar* rows,
+              std::size_t width) {
+  for (std::size_t k = add_rows_wide(g, source, stride, size, rows, width); k < size; ++k) {
+    const Scalar s0 = source[k], s1 = source[stride + k], s2 = source[2 * stride + k];
+    for (std::size_t i = 0; i < 3; ++i)
+      rows[i * width + k] += g[i] * s0 + g[4 + i] * s1 + g[8 + i] * s2;
   }
 }
 
-// sum (3 x 4, the last column padding) += rows(:, three columns) g^T.
+// rows (3 x 3 of width) += half of g times a diagonal block.
 template <class Scalar>
-void add_block(const Scalar* rows, std::size_t size, const Scalar* g, Scalar (&sum)[12]) {
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Scalar *r = rows + i * size, a = r[0], b = r[1], c = r[2];
-    for (std::size_t q = 0; q < 4; ++q) sum[4 * i + q] += a * g[q] + b * g[4 + q] + c * g[8 + q];
+void add_half_block(const Scalar* g, const Scalar* source, std::size_t stride, Scalar* rows,
+                    std::size_t width) {
+  Scalar half[12];
+  for (std::size_t k = 0; k < 12; ++k) half[k] = Scalar(0.5) * g[k];
+  add_rows(half, source, stride, 3, rows, width);
+}
+
+// sum (3 x 4, the last column padding) = the sum of rows(:, three columns of a node) g^T over touches
+// [first, last) whose columns are there.
+template <class Scalar>
+void sum_blocks(const DelassusWork<Scalar>& work, std::size_t width, std::size_t first,
+                std::size_t last, Scalar (&sum)[12]) {
+  std::fill_n(sum, 12, Scalar(0));
+  for (std::size_t t = first; t < last; ++t) {
+    if (work.slot[t] >= width) continue;
+    const Scalar* g = &work.jacobian[12 * t];
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Scalar *r = work.rows.data() + i * width + work.slot[t], a = r[0], b = r[1], c = r[2];
+      for (std::size_t q = 0; q < 4; ++q) sum[4 * i + q] += a * g[q] + b * g[4 + q] + c * g[8 + q];
+    }
   }
 }
+
+#if defined(__AVX2__) && defined(__FMA__)
+void sum_blocks(const DelassusWork<float>& work, std::size_t width, std::size_t first, std::size_t last,
+                float (&sum)[12]) {
+  __m128 row[3] = {_mm_setzero_ps(), _mm_setzero_ps(), _mm_setzero_ps()};
+  for (std::size_t t = first; t < last; ++t) {
+    if (work.slot[t] >= width) continue;
+    const float *g = &work.jacobian[12 * t], *r = work.rows.data() + work.slot[t];
+    const __m128 g0 = _mm_loadu_ps(g), g1 = _mm_loadu_ps(g + 4), g2 = _mm_loadu_ps(g + 8);
+    for (std::size_t i = 0; i < 3; ++i, r += width) {
+      row[i] = _mm_fmadd_ps(_mm_broadcast_ss(r), g0, row[i]);
+      row[i] = _mm_fmadd_ps(_mm_broadcast_ss(r + 1), g1, row[i]);
+      row[i] = _mm_fmadd_ps(_mm_broadcast_ss(r + 2), g2, row[i]);
+    }
+  }
+  for (std::size_t i = 0; i < 3; ++i) _mm_storeu_ps(sum + 4 * i, row[i]);
+}
+#endif
 
 void add_scaled_block(const auto& block, double factor, double* target, std::size_t stride) {
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) target[i * stride + j] += factor * double(block[4 * i + j]);
+}
+
+void add_scaled_transpose(const auto& block, double factor, double* target, std::size_t stride) {
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t j = 0; j < 3; ++j) target[j * stride + i] += factor * double(block[4 * i + j]);
+}
+
+// Slots and groups of the touches.
+template <class Scalar>
+void index_touches(std::span<const Touch> touches, std::span<const Index> slot,
+                   DelassusWork<Scalar>& work) {
+  work.slot.clear();
+  for (const Touch& touch : touches)
+    work.slot.push_back(3 * std::size_t(slot[std::size_t(touch.node)]));
+  work.group.clear();
+  for (std::size_t t = 0; t < touches.size(); t = group_end(touches, t)) work.group.push_back(t);
+  work.group.push_back(touches.size());
+}
+
+// work.rows (3 x width) = the rows of G L of touches [first, last); returns the width: no column beyond
+// has anything.
+template <class Scalar>
+std::size_t multiply_lower(const NodeCompliance<Scalar>& compliance, std::size_t first,
+                           std::size_t last, DelassusWork<Scalar>& work) {
+  std::size_t width = 0;
+  for (std::size_t t = first; t < last; ++t) width = std::max(width, work.slot[t] + 3);
+  std::fill_n(work.rows.begin(), 3 * width, Scalar(0));
+  for (std::size_t t = first; t < last; ++t) {
+    const Scalar *g = &work.jacobian[12 * t],
+                 *row = compliance.values + work.slot[t] * compliance.stride;
+    add_rows(g, row, compliance.stride, work.slot[t], work.rows.data(), width);
+    add_half_block(g, row + work.slot[t], compliance.stride, work.rows.data() + work.slot[t], width);
+  }
+  return width;
 }
 
 }  // namespace
@@ -59,28 +161,21 @@ template <class Scalar>
 void add_to_delassus(const ContactGeometry& body, const NodeCompliance<Scalar>& compliance,
                      double factor, std::span<double> delassus, DelassusWork<Scalar>& work) {
   const std::span<const Touch> touches = body.touches;
-  const std::size_t stride = 3 * body.frames.size(), size = 3 * compliance.slot.size();
+  const std::size_t stride = 3 * body.frames.size();
   contact_jacobians(body, work.jacobian);
-  work.rows.resize(3 * size);
-  const auto slot = [&](std::size_t t) {
-    return 3 * std::size_t(compliance.slot[std::size_t(touches[t].node)]);
-  };
-  for (std::size_t i = 0, i_end; i < touches.size(); i = i_end) {
-    i_end = group_end(touches, i);
-    for (std::size_t t = i; t < i_end; ++t) {
-      const Scalar* source = compliance.values + slot(t) * compliance.stride;
-      if (t == i)
-        multiply_rows<false>(&work.jacobian[12 * t], source, compliance.stride, size, work.rows.data());
-      else
-        multiply_rows<true>(&work.jacobian[12 * t], source, compliance.stride, size, work.rows.data());
-    }
-    double* row = delassus.data() + 3 * std::size_t(touches[i].contact) * stride;
-    for (std::size_t j = 0, j_end; j <= i; j = j_end) {
-      j_end = group_end(touches, j);
-      Scalar sum[12] = {};
-      for (std::size_t t = j; t < j_end; ++t)
-        add_block(work.rows.data() + slot(t), size, &work.jacobian[12 * t], sum);
-      add_scaled_block(sum, factor, row + 3 * std::size_t(touches[j].contact), stride);
+  index_touches(touches, compliance.slot, work);
+  work.rows.resize(9 * compliance.slot.size());
+  const std::size_t groups = work.group.size() - 1;
+  for (std::size_t i = 0; i < groups; ++i) {
+    const std::size_t width = multiply_lower(compliance, work.group[i], work.group[i + 1], work);
+    const auto contact = 3 * std::size_t(touches[work.group[i]].contact);
+    for (std::size_t j = 0; j < groups; ++j) {
+      Scalar sum[12];
+      sum_blocks(work, width, work.group[j], work.group[j + 1], sum);
+      const auto other = 3 * std::size_t(touches[work.group[j]].contact);
+      if (other <= contact) add_scaled_block(sum, factor, &delassus[contact * stride + other], stride);
+      if (other >= contact)
+        add_scaled_transpose(sum, factor, &delassus[other * stride + contact], stride);
     }
   }
 }

@@ -17,7 +17,7 @@ struct Touch {
 };
 
 /// C between the contact nodes of a body: block (a, b) is row-major at values + 3 slot[a] stride +
-/// 3 slot[b]. Both triangles are there.
+/// 3 slot[b]. It is symmetric: only blocks with slot[b] <= slot[a] are read.
 template <class Scalar>
 struct NodeCompliance {
   const Scalar* values = nullptr;
@@ -35,13 +35,16 @@ struct ContactGeometry {
 /// Scratch memory; nothing is allocated once it has grown.
 template <class Scalar>
 struct DelassusWork {
-  std::vector<Scalar> jacobian;  ///< weight frame^T rotation of every touch, padded
-  std::vector<Scalar> rows;      ///< three rows of G C0
+  std::vector<Scalar> jacobian;    ///< weight frame^T rotation of every touch, padded
+  std::vector<Scalar> rows;        ///< three rows of G C0
+  std::vector<std::size_t> slot;   ///< first row of the node of every touch
+  std::vector<std::size_t> group;  ///< first touch of every contact that has any, and their count
 };
 
 /// Adds factor H R C0 R^T H^T of one body to the lower block triangle of the Delassus operator W
-/// (3m x 3m, row-major): compliance warping (METHOD 4.2) in one pass over C0. W is symmetric to the bit
-/// after mirror_delassus, and does not depend on the slots.
+/// (3m x 3m, row-major): compliance warping (METHOD 4.2) in one pass over half of C0. With C0 = L +
+/// L^T, L its lower half with half of the diagonal blocks, it adds X + X^T, X = factor G L G^T, G = H
+/// R. W is symmetric to the bit after mirror_delassus.
 template <class Scalar>
 void add_to_delassus(const ContactGeometry& body, const NodeCompliance<Scalar>& compliance,
                      double factor, std::span<double> delassus, DelassusWork<Scalar>& work);

@@ -50,6 +50,7 @@ Status check_names(const AssetReader& reader, const std::vector<std::string>& na
 Loaded load(AssetReader& reader, const LoadOptions& options, const LoadVariant& load_one) {
   if (auto status = check_names(reader, options.compliances); !status) return status.issue();
   SoftBodyContent content;
+  content.table_bytes = options.table_bytes;
   auto level = reader.read_level_mesh(reader.level_count() - 1);
   if (!level) return level.issue();
   content.level = std::move(*level);

@@ -48,8 +48,12 @@ Result<std::shared_ptr<const SoftBodyAsset>> SoftBodyAsset::create(SoftBodyConte
   Eigen::AlignedBox3d box;
   for (const auto& node : asset->model_.rest_positions()) box.extend(Vec3(as_vec3(node)));
   asset->longest_side_ = box.sizes().maxCoeff();
-  for (auto& variant : content.compliances)
-    if (auto status = asset->add_compliance(std::move(variant)); !status) return status.issue();
+  std::size_t table_bytes = content.table_bytes;
+  for (auto& variant : content.compliances) {
+    if (auto status = asset->add_compliance(std::move(variant), table_bytes); !status)
+      return status.issue();
+    table_bytes -= asset->compliances_.back().rest->table_bytes();
+  }
   return std::shared_ptr<const SoftBodyAsset>(std::move(asset));
 }
 
@@ -62,7 +66,7 @@ Status SoftBodyAsset::add_visual(const VisualMesh& visual) {
   return {};
 }
 
-Status SoftBodyAsset::add_compliance(SoftBodyContent::Variant variant) {
+Status SoftBodyAsset::add_compliance(SoftBodyContent::Variant variant, std::size_t table_bytes) {
   const std::string where = "compliance/" + variant.header.name;
   const Index node_count = model_.node_count();
   if (auto s = check_nodes(variant.nodes, node_count, IssueCode::asset_corrupt, where); !s) return s;
@@ -79,7 +83,7 @@ Status SoftBodyAsset::add_compliance(SoftBodyContent::Variant variant) {
     fixed = set->nodes;
   }
   auto rest = open_variant(variant.header, variant.hierarchy, std::move(variant.prolongation),
-                           std::move(variant.source));
+                           std::move(variant.source), table_bytes);
   if (!rest) return rest.issue();
   auto extension = RestExtension::create(model_, variant.header.mass_factor,
                                          variant.header.stiffness_factor, variant.nodes, fixed);

@@ -40,6 +40,8 @@ struct SoftBodyContent {
     HierarchicalIndex hierarchy{};                ///< of the hierarchical representation
   };
   std::vector<Variant> compliances;
+  /// Of memory for tables that make contacts fast (PairTable), in all; the first compliances get them.
+  std::size_t table_bytes = 0;
 };
 
 /// A baked body in memory: const, shared by any number of instances.
@@ -68,7 +70,7 @@ class SoftBodyAsset {
  private:
   explicit SoftBodyAsset(CorotationalModel model) : model_(std::move(model)) {}
   Status add_visual(const VisualMesh& visual);
-  Status add_compliance(SoftBodyContent::Variant variant);
+  Status add_compliance(SoftBodyContent::Variant variant, std::size_t table_bytes);
 
   CorotationalModel model_;
   SurfaceTree surface_;

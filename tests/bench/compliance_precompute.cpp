@@ -81,8 +81,10 @@ SupernodalFactor factor_of(const MeshLevel& level, std::vector<Index>& nodes) {
   model.assemble_rest(1 / (time_step_s * time_step_s) + 0.1 / time_step_s, 1 + 0.01 / time_step_s, a0);
   nodes.resize(level.mesh.nodes.size());
   std::iota(nodes.begin(), nodes.end(), 0);
+  const auto surface = used_nodes(level.boundary);
   FactorOptions options;
   options.threads = threads;
+  options.surface = surface;
   return value_or_exit(SupernodalFactor::create(a0, nodes, options));
 }
 

@@ -4,6 +4,7 @@
 // material.
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <limits>
 #include <string>
@@ -19,14 +20,15 @@
 namespace souple::bench {
 namespace {
 
-constexpr double diagonal_m = 0.2, patch_radius_m = 0.02;
+constexpr double diagonal_m = 0.2;
+constexpr std::array<int, 4> patch_radii_mm{10, 15, 20, 40};
 
 /// Ball about the lowest node.
-FixedSet bottom_patch(const TetMesh& mesh) {
+FixedSet bottom_patch(const TetMesh& mesh, int radius_mm) {
   const auto lowest = std::ranges::min_element(mesh.nodes, {}, [](const Point& p) { return p[1]; });
-  FixedSet patch{"bottom", {}};
+  FixedSet patch{"bottom_" + std::to_string(radius_mm), {}};
   for (std::size_t k = 0; k < mesh.nodes.size(); ++k)
-    if ((as_vec3(mesh.nodes[k]) - as_vec3(*lowest)).norm() < patch_radius_m)
+    if ((as_vec3(mesh.nodes[k]) - as_vec3(*lowest)).norm() < 1e-3 * radius_mm)
       patch.nodes.push_back(Index(k));
   return patch;
 }
@@ -48,7 +50,8 @@ Asset make_body(const char* file, std::size_t tets) {
   asset.material.regions.push_back({"all", 1e4, 0.4, 1000});
   asset.material.rayleigh_mass_per_s = 0.1;
   asset.material.rayleigh_stiffness_s = 0.01;
-  asset.fixed_sets.push_back(bottom_patch(level.mesh));
+  for (const int radius_mm : patch_radii_mm)
+    asset.fixed_sets.push_back(bottom_patch(level.mesh, radius_mm));
   return asset;
 }
 
@@ -56,6 +59,7 @@ struct Variant {
   ComplianceKind kind = ComplianceKind::dynamic_step;
   double time_step_s = 0.01;
   ErrorNorm norm = ErrorNorm::frobenius;
+  std::size_t patch = 0;  ///< of a static one, in patch_radii_mm
 };
 
 struct Outcome {
@@ -71,7 +75,7 @@ Outcome measure(Asset asset, const Variant& variant, const std::string& name) {
   options.norm = variant.norm;
   options.tolerance = 1e-3;
   const FixedSet* fixed =
-      variant.kind == ComplianceKind::static_equilibrium ? &asset.fixed_sets[0] : nullptr;
+      variant.kind == ComplianceKind::static_equilibrium ? &asset.fixed_sets[variant.patch] : nullptr;
   asset.compliances.push_back(value_or_exit(
       precompute_compliance(asset.levels.back(), nullptr, asset.material, fixed, options, {})));
   const ComplianceHeader& header = asset.compliances[0].header;
@@ -104,8 +108,9 @@ void run() {
   const double few = add(small, {dynamic, 0.01, ErrorNorm::frobenius}, "bunny_644.frobenius");
   const double some = add(bunny, {dynamic, 0.01, ErrorNorm::frobenius}, "bunny.frobenius");
   add(bunny, {dynamic, 0.01, ErrorNorm::worst_column}, "bunny.worst_column");
-  add(bunny, {ComplianceKind::static_equilibrium, 0, ErrorNorm::worst_column},
-      "bunny_static.worst_column");
+  for (std::size_t patch = 0; patch < patch_radii_mm.size(); ++patch)
+    add(bunny, {ComplianceKind::static_equilibrium, 0, ErrorNorm::worst_column, patch},
+        "bunny_static_" + std::to_string(patch_radii_mm[patch]) + "mm.worst_column");
   const double many = add(liver, {dynamic, 0.02, ErrorNorm::frobenius}, "liver.frobenius");
   add(liver, {dynamic, 0.02, ErrorNorm::worst_column}, "liver.worst_column");
   const ResultHash none;

@@ -7,10 +7,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "formats/write/asset_writer.hpp"
 #include "runtime/compliance/contact_blocks.hpp"
 #include "runtime/contact/contact.hpp"
 #include "runtime/contact/delassus_operator.hpp"
 #include "runtime/fem/sparse_factor.hpp"
+#include "runtime/load/load_soft_body.hpp"
 #include "tests/bench/liver.hpp"
 #include "tests/bench/row.hpp"
 
@@ -39,14 +41,25 @@ std::vector<Index> patch(const SoftBodyAsset& body, const BodyCompliance& compli
 }
 
 struct BlockTimes {
-  std::vector<double> cold, half, one_by_one;
+  std::vector<double> cold, evicted, half, one_by_one;
 };
+
+// Pushes everything else out of the processor's caches.
+void evict_caches(ResultHash& hash) {
+  static std::vector<double> other(std::size_t{12} << 20);
+  for (double& value : other) value += 1;
+  hash.add(std::span<const double>(&other[0], 1));
+}
 
 // `other` shares half of its rows with `rows`.
 BlockTimes time_blocks(const RestCompliance& rest, const std::vector<Index>& rows,
                        const std::vector<Index>& other, ContactBlocks& blocks, ResultHash& hash) {
   BlockTimes times;
+  blocks.update(rest, rows);  // grows its memory
   for (int run = 0; run < runs; ++run) {
+    blocks.clear();
+    evict_caches(hash);
+    times.evicted.push_back(seconds_of([&] { blocks.update(rest, rows); }));
     blocks.clear();
     times.cold.push_back(seconds_of([&] { blocks.update(rest, rows); }));
     times.half.push_back(seconds_of([&] { blocks.update(rest, other); }));
@@ -152,22 +165,44 @@ void time_correction(const SoftBodyAsset& body, const BodyCompliance& compliance
   print_row("contact.interior_double_bytes", "MB", double(factor.bytes()) / 1e6, hash);
 }
 
+std::vector<double> load_times(std::span<const std::byte> bytes, const LoadOptions& options,
+                               std::shared_ptr<const SoftBodyAsset>& body) {
+  return repeated_seconds(3, [&] {
+    body = value_or_exit(load_soft_body(value_or_exit(AssetReader::open_memory(bytes)), options));
+  });
+}
+
 }  // namespace
 
 int main() {
-  const auto liver = baked_liver(56000, 1);
+  Recipe recipe = liver_recipe(56000, 1);
+  recipe.compliances.front().tolerance = 1e-3;
+  const auto bytes_of_file = value_or_exit(write_asset_memory(bake_or_exit(recipe).asset));
+  std::shared_ptr<const SoftBodyAsset> liver, plain;
+  const auto load_s = load_times(bytes_of_file, {}, liver),
+             plain_load_s = load_times(bytes_of_file, {.table_bytes = 0}, plain);
   const BodyCompliance& compliance = liver->compliances()[0];
   const auto rows = patch(*liver, compliance, 100, 0);
   const auto other = patch(*liver, compliance, 100, contact_nodes / 2);
   ResultHash hash;
   ContactBlocks blocks;
   const BlockTimes times = time_blocks(*compliance.rest, rows, other, blocks, hash);
+  ContactBlocks from_factors;
+  const BlockTimes without_table =
+      time_blocks(*plain->compliances()[0].rest, rows, other, from_factors, hash);
   print_row("contact.nodes", "1", double(liver->model().node_count()), hash);
   print_row("contact.surface_nodes", "1", double(compliance.rest->row_count()), hash);
   print_row("contact.c0_cold", "ms", times.cold, hash, 1e3);
+  print_row("contact.c0_evicted", "ms", times.evicted, hash, 1e3);
   print_row("contact.c0_half", "ms", times.half, hash, 1e3);
-  print_row("contact.c0_one_by_one", "ms", times.one_by_one, hash, 1e3);
-  print_row("contact.c0_bytes", "MB", double(compliance.rest->resident_bytes()) / 1e6, hash);
+  print_row("contact.c0_factors_cold", "ms", without_table.cold, hash, 1e3);
+  print_row("contact.c0_factors_half", "ms", without_table.half, hash, 1e3);
+  print_row("contact.c0_one_by_one", "ms", without_table.one_by_one, hash, 1e3);
+  const std::size_t bytes = compliance.rest->resident_bytes(), table = compliance.rest->table_bytes();
+  print_row("contact.c0_bytes", "MB", double(bytes - table) / 1e6, hash);
+  print_row("contact.table_bytes", "MB", double(table) / 1e6, hash);
+  print_row("contact.load", "s", load_s, hash);
+  print_row("contact.load_without_table", "s", plain_load_s, hash);
   time_delassus(blocks, hash);
   std::vector<Index> loaded(rows.begin(), rows.begin() + std::ptrdiff_t(contacts));
   time_correction(*liver, compliance, loaded, hash);

@@ -214,7 +214,7 @@ TEST(LoadSoftBody, StreamsTheSameComplianceThatItLoads) {
   const auto bytes = file_of_hierarchical_sample();
   Result<AssetReader> reader = AssetReader::open_memory(bytes), other = AssetReader::open_memory(bytes);
   ASSERT_TRUE(reader.ok() && other.ok());
-  const Result<Loaded> whole = load_soft_body(*reader);
+  const Result<Loaded> whole = load_soft_body(*reader, {.table_bytes = 0});
   ASSERT_TRUE(whole.ok()) << format_issue(whole.issue());
   const Result<Loaded> streamed = load_soft_body(std::move(*other), {.streaming = true});
   ASSERT_TRUE(streamed.ok()) << format_issue(streamed.issue());
@@ -230,6 +230,35 @@ TEST(LoadSoftBody, StreamsTheSameComplianceThatItLoads) {
     fetched->rest->gather(rows, found);
     EXPECT_EQ(found, expected) << name;
   }
+}
+
+TEST(LoadSoftBody, MakesTablesAsFarAsTheirBudgetGoes) {
+  const auto bytes = file_of_hierarchical_sample();
+  const auto tables = [&](const LoadOptions& options) {
+    std::vector<std::size_t> found;
+    Result<AssetReader> reader = AssetReader::open_memory(bytes);
+    if (!reader) return found;
+    const Result<Loaded> body = load_soft_body(std::move(*reader), options);
+    if (!body) return found;
+    for (const BodyCompliance& compliance : (*body)->compliances())
+      found.push_back(compliance.rest->table_bytes());
+    return found;
+  };
+  const std::vector<std::size_t> all = tables({}), none(all.size(), 0);
+  std::size_t total = 0, first = 0;
+  for (const std::size_t one : all) {
+    if (first == 0) first = one;
+    total += one;
+  }
+  ASSERT_GT(first, 0u);
+  ASSERT_GT(total, first);
+  EXPECT_EQ(tables({.table_bytes = total}), all);
+  EXPECT_EQ(tables({.table_bytes = 0}), none);
+  EXPECT_EQ(tables({.streaming = true}), none);
+  std::size_t within = 0;
+  for (const std::size_t one : tables({.table_bytes = total - 1})) within += one;
+  EXPECT_GE(within, first);
+  EXPECT_LT(within, total);
 }
 
 TEST(LoadSoftBody, DoesNotStreamFromAnAssetOfSomebodyElse) {

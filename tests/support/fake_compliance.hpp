@@ -37,8 +37,10 @@ class FakeCompliance final : public RestCompliance {
     for (std::size_t k = 0; k < force.size(); ++k) f[at(rows, k)] += force[k];
     Eigen::Map<Eigen::VectorXd>(displacement.data(), Eigen::Index(displacement.size())) = c_ * f;
   }
+  Index order_of(Index row) const override { return backwards ? row_count() - 1 - row : row; }
   std::size_t resident_bytes() const override { return std::size_t(c_.size()) * sizeof(double); }
 
+  bool backwards = false;             ///< order_of
   Index missing_row = -1;             ///< not in memory
   mutable std::size_t evaluated = 0;  ///< 3x3 blocks so far
 

@@ -19,12 +19,16 @@ void ComplianceOptions::add_to(CLI::App& app) {
                  "largest error of stored compliances (0.001), at most 0.5; 0: dense, uncompressed");
   app.add_option("--scalar", overrides_.scalar,
                  "store compliances dense, as float32 or float64 (as tolerance 0 does)");
+  effort_.add_to(app);
+}
+
+void EffortOptions::add_to(CLI::App& app) {
   app.add_option("--memory-mb", memory_mb_,
                  "memory that computing a compliance may take, in 10^6 bytes (17180)");
   app.add_option("--threads", threads_, "threads for compliances; the result does not depend on them");
 }
 
-Result<ComplianceStage> ComplianceOptions::stage() const {
+Result<ComplianceStage> EffortOptions::stage() const {
   ComplianceStage stage;
   stage.threads = std::clamp(std::thread::hardware_concurrency(), 1U, unsigned{most_threads});
   if (memory_mb_) {

@@ -48,7 +48,8 @@ Result<DeepResult> check_one(AssetReader& reader, const Body& body, const std::s
 
 }  // namespace
 
-std::vector<DeepResult> validate_deeply(const std::filesystem::path& file, Console& console,
+std::vector<DeepResult> validate_deeply(const std::filesystem::path& file,
+                                        const ComplianceStage& effort, Console& console,
                                         const ValidationOptions& options, ValidationReport& report) {
   std::vector<DeepResult> results;
   auto reader = AssetReader::open(file);
@@ -61,6 +62,8 @@ std::vector<DeepResult> validate_deeply(const std::filesystem::path& file, Conso
   for (const std::string& name : reader->compliance_names()) {
     progress.stage("measure " + name);
     DeepCheckOptions deep;
+    deep.factor.memory_limit_bytes = effort.memory_limit_bytes;
+    deep.factor.threads = effort.threads;
     deep.progress = [&](double done) { progress.fraction(done); };
     auto result = check_one(*reader, *body, name, deep);
     if (!result) {

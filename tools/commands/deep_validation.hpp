@@ -9,6 +9,7 @@
 #include "tools/cli/console.hpp"
 #include "tools/cli/json_output.hpp"
 #include "tools/compliance/deep_check.hpp"
+#include "tools/recipe/bake.hpp"
 
 namespace souple {
 
@@ -20,7 +21,8 @@ struct DeepResult {
 
 /// Measures every compliance of a valid asset again (check_deeply). What stops a measurement and every
 /// claim that is false becomes an issue of `report`.
-std::vector<DeepResult> validate_deeply(const std::filesystem::path& file, Console& console,
+std::vector<DeepResult> validate_deeply(const std::filesystem::path& file,
+                                        const ComplianceStage& effort, Console& console,
                                         const ValidationOptions& options, ValidationReport& report);
 
 Json deep_json(const std::vector<DeepResult>& results);

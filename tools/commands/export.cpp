@@ -7,6 +7,7 @@
 #include "formats/read/asset_reader.hpp"
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/json_output.hpp"
+#include "tools/commands/compliance_options.hpp"
 #include "tools/commands/export_sofa.hpp"
 #include "tools/exchange/atomic_file.hpp"
 #include "tools/exchange/mesh_writer.hpp"
@@ -24,6 +25,7 @@ constexpr std::string_view sofa_format = "sofa-comp", sofa_extension = "comp";
 struct ExportOptions {
   std::string asset, output, format, level, variant;
   bool visual = false;
+  EffortOptions effort;
 
   void add_to(CLI::App& app) {
     app.add_option("ASSET", asset, "the .souple file")->required();
@@ -37,6 +39,7 @@ struct ExportOptions {
     app.add_option("--variant", variant, "sofa-comp: the compliance; without it the only dynamic one");
     app.add_option("--level", level, "level of the hierarchy, 0 the coarsest; without it the finest");
     app.add_flag("--visual", visual, "the surface stored for display instead of the boundary");
+    effort.add_to(app);
   }
 };
 
@@ -151,8 +154,11 @@ Result<ExitCode> print_report(const CommandLine& line, const Json& document, con
 Result<ExitCode> run_sofa(const ExportOptions& given, const CommandLine& line) {
   auto reader = AssetReader::open(given.asset);
   if (!reader) return reader.issue();
+  const auto effort = given.effort.stage();
+  if (!effort) return effort.issue();
   Console console(line.common().verbosity());
-  const auto written = export_sofa_comp(*reader, given.asset, given.output, given.variant, console);
+  const auto written =
+      export_sofa_comp(*reader, given.asset, given.output, given.variant, *effort, console);
   if (!written) return written.issue();
   Json document = schema_header("export");
   document["asset"] = given.asset;

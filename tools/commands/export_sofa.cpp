@@ -50,15 +50,16 @@ Result<ComplianceSystem> system_of(AssetReader& reader, const ComplianceHeader& 
     if (!set) return set.issue();
     fixed = std::move(*set);
   }
-  return build_system(level, *material, header.fixed_set.empty() ? nullptr : &fixed, {},
-                      header.mass_factor, header.stiffness_factor);
+  PreparedBody body(level, *material);
+  return build_system(body, header.fixed_set.empty() ? nullptr : &fixed, {}, header.mass_factor,
+                      header.stiffness_factor);
 }
 
 }  // namespace
 
 Result<SofaExport> export_sofa_comp(AssetReader& reader, const std::filesystem::path& asset,
                                     const std::filesystem::path& file, const std::string& name,
-                                    Console& console) {
+                                    const ComplianceStage& effort, Console& console) {
   const auto header = header_of(reader, name);
   if (!header) return header.issue();
   const auto level = reader.read_level_mesh(reader.level_count() - 1);
@@ -77,6 +78,8 @@ Result<SofaExport> export_sofa_comp(AssetReader& reader, const std::filesystem::
   ConsoleProgress progress(console);
   progress.stage("solve");
   FactorOptions options;
+  options.memory_limit_bytes = effort.memory_limit_bytes;
+  options.threads = effort.threads;
   options.cancelled = [&] { return interrupt.raised(); };
   const auto solver = RestSolver::create(std::move(*system), options);
   const Status written =

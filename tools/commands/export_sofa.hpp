@@ -7,6 +7,7 @@
 #include "formats/core/result.hpp"
 #include "formats/read/asset_reader.hpp"
 #include "tools/cli/console.hpp"
+#include "tools/recipe/bake.hpp"
 
 namespace souple {
 
@@ -23,6 +24,6 @@ struct SofaExport {
 /// interrupted, those of the solves and of writing.
 Result<SofaExport> export_sofa_comp(AssetReader& reader, const std::filesystem::path& asset,
                                     const std::filesystem::path& file, const std::string& name,
-                                    Console& console);
+                                    const ComplianceStage& effort, Console& console);
 
 }  // namespace souple

@@ -7,6 +7,7 @@
 
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/json_output.hpp"
+#include "tools/commands/compliance_options.hpp"
 #include "tools/commands/deep_validation.hpp"
 
 namespace souple {
@@ -50,22 +51,26 @@ Result<ExitCode> run_validate(const Arguments& arguments) {
   std::string file;
   std::string cap_text = "100";
   bool is_deep = false;
+  EffortOptions effort_options;
   CommandLine line("validate", "Checks structure, values, checksums and the hash of the content.");
   line.app().add_option("ASSET", file, "the .souple file")->required();
   line.app().add_option("--max-issues", cap_text, "list at most so many (100)");
   line.app().add_flag("--deep", is_deep,
                       "also rebuild the system of every compliance and measure its errors again");
+  effort_options.add_to(line.app());
   const auto parsed = line.parse(arguments);
   if (!parsed) return parsed.issue();
   if (*parsed == ParseOutcome::help_printed) return ExitCode::ok;
   const auto cap = integer_option("--max-issues", cap_text, 1, most_issues);
   if (!cap) return cap.issue();
+  const auto effort = effort_options.stage();
+  if (!effort) return effort.issue();
   const ValidationOptions options{static_cast<std::size_t>(*cap)};
   ValidationReport report = validate_asset_file(file, options);
   std::optional<std::vector<DeepResult>> deep;
   if (is_deep && report.valid()) {
     Console console(line.common().verbosity());
-    deep = validate_deeply(file, console, options, report);
+    deep = validate_deeply(file, *effort, console, options, report);
   }
   const Status printed = line.common().json ? print_json(report_json(report, file, deep))
                          : line.common().quiet

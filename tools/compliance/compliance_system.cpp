@@ -23,15 +23,17 @@ Status check_touched(std::span<const Index> touched, std::size_t node_count) {
 
 }  // namespace
 
-Result<ComplianceSystem> build_system(const MeshLevel& level, const Material& material,
-                                      const FixedSet* fixed, std::span<const Index> touched,
-                                      double mass_factor, double stiffness_factor) {
+Result<ComplianceSystem> build_system(PreparedBody& body, const FixedSet* fixed,
+                                      std::span<const Index> touched, double mass_factor,
+                                      double stiffness_factor) {
+  const MeshLevel& level = body.level();
   const std::size_t node_count = level.mesh.nodes.size();
   if (auto status = check_touched(touched, node_count); !status) return status.issue();
   if (fixed)
     if (auto status = check_fixed_set(*fixed, node_count); !status) return status.issue();
-  auto model = CorotationalModel::create(level.mesh, material);
-  if (!model) return model.issue();
+  const auto made = body.model();
+  if (!made) return made.issue();
+  const CorotationalModel* model = *made;
   ComplianceSystem system;
   system.pattern = std::make_unique<BlockPattern>(model->pattern());
   system.a0 = std::make_unique<BlockMatrix>(*system.pattern);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Low-rank blocks of a dense compliance by the randomised range finder (Halko, Martinsson, Tropp 2011,
-// algorithm 4.4 with one power iteration), in single precision.
+// algorithm 4.2 by blocks of columns), in single precision.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <string>
 
@@ -18,15 +19,11 @@ namespace {
 
 using Eigen::MatrixXf;
 
-constexpr Eigen::Index first_rank = 40, spare_columns = 10;
-
-MatrixXf random_matrix(Eigen::Index rows, Eigen::Index columns, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<float> normal;
-  MatrixXf m(rows, columns);
-  for (Eigen::Index k = 0; k < m.size(); ++k) m.data()[k] = normal(random);
-  return m;
-}
+constexpr Eigen::Index first_columns = 32, spare_columns = 4;
+constexpr float rest_share = 0.7F;
+// Singular values below this share of sqrt(rows) times the expected errors of entries are left out: the
+// quantisation drops them anyway.
+constexpr float cut_share = 0.5F;
 
 MatrixXf product(const MatrixXf& a, const MatrixXf& b) {
   MatrixXf c = MatrixXf::Zero(a.rows(), b.cols());
@@ -40,36 +37,83 @@ MatrixXf transposed_product(const MatrixXf& a, const MatrixXf& b) {
   return c;
 }
 
-// Orthonormal columns that span nearly the range of the leading `columns` singular vectors.
-bool find_range(const MatrixXf& block, Eigen::Index columns, unsigned seed, MatrixXf& range) {
-  MatrixXf r;
-  range = product(block, random_matrix(block.cols(), columns, seed));
-  if (!orthonormalise(range, r)) return false;
-  MatrixXf dual = transposed_product(block, range);
-  if (!orthonormalise(dual, r)) return false;
-  range = product(block, dual);
-  return orthonormalise(range, r);
+// a := (I - Q Q^T) a, Q orthonormal. Twice is enough.
+void project_out(const Eigen::Ref<const MatrixXf>& q, MatrixXf& a) {
+  for (int pass = 0; pass < 2 && q.cols() > 0; ++pass) {
+    MatrixXf inside = MatrixXf::Zero(q.cols(), a.cols());
+    add_transposed_product(1, q, a, inside);
+    add_product(-1, q, inside, a);
+  }
 }
 
-// The terms with singular values above `cut`; more and more columns until the last one falls below it.
+/// Orthonormal columns that come nearer and nearer to spanning the range of a block.
+class RangeFinder {
+ public:
+  RangeFinder(const MatrixXf& block, unsigned seed) : block_(block), random_(seed) {}
+
+  Eigen::Index columns() const { return range_.cols(); }
+  const MatrixXf& range() const { return range_; }
+
+  // About so many more columns; about the Frobenius norm of what the range left over before them.
+  std::optional<float> extend(Eigen::Index wanted) {
+    const Eigen::Index largest = std::min(block_.rows(), block_.cols());
+    const Eigen::Index count = std::min(wanted, largest - columns());
+    MatrixXf fresh = product(block_, random_columns(count)), r;
+    project_out(range_, fresh);
+    const float rest = fresh.norm() / std::sqrt(float(std::max<Eigen::Index>(count, 1)));
+    if (!orthonormalise(fresh, r)) return std::nullopt;
+    // Columns that were nearly inside have lost their angle to the range in rounding.
+    project_out(range_, fresh);
+    if (!orthonormalise(fresh, r)) return std::nullopt;
+    const Eigen::Index known = columns();
+    range_.conservativeResize(block_.rows(), known + count);
+    range_.rightCols(count) = fresh;
+    return rest;
+  }
+
+ private:
+  MatrixXf random_columns(Eigen::Index columns) {
+    MatrixXf m(block_.cols(), columns);
+    for (Eigen::Index k = 0; k < m.size(); ++k) m.data()[k] = normal_(random_);
+    return m;
+  }
+
+  const MatrixXf& block_;
+  std::mt19937 random_;
+  std::normal_distribution<float> normal_;
+  MatrixXf range_{block_.rows(), 0};
+};
+
+// The terms with singular values above `cut` of what the range spans; false if not computed.
+bool terms_within(const MatrixXf& block, const MatrixXf& range, float cut, LowRankBlock& out) {
+  // block ~ range (block^T range)^T = range core^T dual^T.
+  MatrixXf dual = transposed_product(block, range), core;
+  if (!orthonormalise(dual, core)) return false;
+  const SmallSvd svd = singular_values(core.transpose().cast<double>());
+  if (!svd.converged) return false;
+  Eigen::Index kept = 0;
+  while (kept < svd.singular.size() && svd.singular[kept] > double(cut)) ++kept;
+  out.left = product(range, svd.left.leftCols(kept).cast<float>());
+  out.right = product(dual, svd.right.leftCols(kept).cast<float>());
+  out.singular = svd.singular.head(kept).cast<float>();
+  return true;
+}
+
+// The terms with singular values above `cut`. What the range leaves over has singular values that fall
+// slowly: about as many as the range has columns count, so that its norm is their root times the cut
+// where the largest is near the cut.
 bool low_rank(const MatrixXf& block, float cut, unsigned seed, LowRankBlock& out) {
   const Eigen::Index largest = std::min(block.rows(), block.cols());
-  for (Eigen::Index rank = first_rank;; rank *= 2) {
-    const Eigen::Index columns = std::min(rank + spare_columns, largest);
-    MatrixXf range, core;
-    if (!find_range(block, columns, seed, range)) return false;
-    // block ~ range (block^T range)^T = range core^T dual^T.
-    MatrixXf dual = transposed_product(block, range);
-    if (!orthonormalise(dual, core)) return false;
-    const SmallSvd svd = singular_values(core.transpose().cast<double>());
-    if (!svd.converged) return false;
-    Eigen::Index kept = 0;
-    while (kept < columns && svd.singular[kept] > double(cut)) ++kept;
-    if (kept > columns - spare_columns && columns < largest) continue;
-    out.left = product(range, svd.left.leftCols(kept).cast<float>());
-    out.right = product(dual, svd.right.leftCols(kept).cast<float>());
-    out.singular = svd.singular.head(kept).cast<float>();
-    return true;
+  RangeFinder finder(block, seed);
+  for (bool enough = false;;) {
+    while (!enough && finder.columns() < largest) {
+      const auto rest = finder.extend(std::max(first_columns, finder.columns() / 4));
+      if (!rest) return false;
+      enough = *rest < rest_share * cut * std::sqrt(float(finder.columns()));
+    }
+    if (!terms_within(block, finder.range(), cut, out)) return false;
+    enough = out.singular.size() + spare_columns <= finder.columns();
+    if (enough || finder.columns() == largest) return true;
   }
 }
 
@@ -128,13 +172,15 @@ Result<HodlrMatrix> compress_dense(const SymmetricSource& source, std::span<cons
   matrix.blocks.resize((std::size_t{1} << matrix.depth) - 1);
   matrix.leaves.resize(std::size_t{1} << matrix.depth);
   const std::vector<Item> items = make_items(count, matrix.depth);
-  std::atomic<bool> ok{true};
+  std::atomic<bool> ok{true}, cancelled{false};
   std::atomic<std::size_t> done{0};
   pool.run(items.size(), [&](std::size_t k, unsigned worker) {
+    if (worker == 0 && options.cancelled && options.cancelled()) cancelled = true;
+    if (cancelled) return;
     const Item& item = items[k];
     const Eigen::MatrixXf block = scaled_block(source, matrix, item);
     const float cut =
-        scaling->entry_error * 0.25F * std::sqrt(float(std::max(block.rows(), block.cols())));
+        scaling->entry_error * cut_share * std::sqrt(float(std::max(block.rows(), block.cols())));
     if (item.is_leaf)
       matrix.leaves[item.block] = 0.5F * (block + block.transpose());
     else if (!block.allFinite() ||
@@ -143,6 +189,7 @@ Result<HodlrMatrix> compress_dense(const SymmetricSource& source, std::span<cons
     const std::size_t so_far = ++done;
     if (worker == 0 && options.progress) options.progress(double(so_far) / double(items.size()));
   });
+  if (cancelled) return make_issue(IssueCode::interrupted, "the compression was stopped");
   if (!ok)
     return make_issue(IssueCode::compliance_factorisation_failed,
                       "a block of the compliance could not be decomposed");

@@ -258,7 +258,8 @@ struct Reference {
 Result<Reference> make_reference(const ComplianceVariant& variant, const MeshLevel& level,
                                  const Material& material, const FixedSet* fixed,
                                  const FactorOptions& options) {
-  auto system = build_system(level, material, fixed, variant.nodes, variant.header.mass_factor,
+  PreparedBody body(level, material);
+  auto system = build_system(body, fixed, variant.nodes, variant.header.mass_factor,
                              variant.header.stiffness_factor);
   if (!system) return system.issue();
   if (system->nodes != variant.nodes)

@@ -14,7 +14,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr Index strip_nodes = 64;
-constexpr int search_steps = 16, certificate_steps = 40;
+constexpr int search_steps = 12, certificate_steps = 24;
 constexpr double lanczos_margin = 1.02;
 
 /// Columns [begin, end) of a block below the diagonal of the tree, or a leaf.
@@ -60,24 +60,28 @@ class DenseMeasure final : public ErrorMeasure {
     measure_source();
   }
 
-  MeasuredError estimate(const ScaledHodlr& stored) override {
-    subtract(stored);
-    MeasuredError measured;
-    const EigenvalueRange range = eigenvalues(scales_, 0, search_steps);
-    measured.shift = shift_for(range);
-    fill_sums(measured);
-    if (norm_ == ErrorNorm::scaled_spectral)
-      measured.error.scaled_spectral = spectral(measured.shift, search_steps);
-    return measured;
+  void set_stored(const QuantisedMatrix& stored) override {
+    subtract(scaled_hodlr(matrix_, stored, pool_));
   }
 
-  MeasuredError certify(const ScaledHodlr& stored) override {
-    subtract(stored);
-    MeasuredError measured;
-    measured.shift = shift_for(eigenvalues(scales_, 0, certificate_steps));
-    fill_sums(measured);
-    measured.error.scaled_spectral = spectral(measured.shift, certificate_steps);
-    return measured;
+  ComplianceError estimate(double shift) override {
+    ComplianceError error;
+    if (norm_ == ErrorNorm::scaled_spectral)
+      error.scaled_spectral = spectral(shift, search_steps);
+    else
+      fill_sums(shift, error);
+    return error;
+  }
+
+  ComplianceError certify(double shift) override {
+    ComplianceError error;
+    fill_sums(shift, error);
+    error.scaled_spectral = spectral(shift, certificate_steps);
+    return error;
+  }
+
+  double shift_above() override {
+    return std::max(0.0, lanczos_margin * eigenvalues(scales_, 0, certificate_steps).largest);
   }
 
   const VectorXd& column_norms() const override { return column_norms_; }
@@ -146,7 +150,7 @@ class DenseMeasure final : public ErrorMeasure {
   }
 
   // Frobenius and columns of the difference less shift S S^T.
-  void fill_sums(MeasuredError& measured) const {
+  void fill_sums(double shift, ComplianceError& error) const {
     VectorXd squares =
         column_sums([&](std::size_t s) { return MatrixXd(difference_[s].cast<double>().cwiseAbs2()); });
     for (std::size_t s = 0; s < strips_.size(); ++s) {
@@ -155,18 +159,14 @@ class DenseMeasure final : public ErrorMeasure {
         const Eigen::Index position = strips_[s].rows.begin + a;
         const auto& l = scales_[std::size_t(position)];
         const Eigen::Matrix3d before = difference_[s].block<3, 3>(3 * a, 3 * a).cast<double>();
-        const Eigen::Matrix3d after = before - measured.shift * l * l.transpose();
+        const Eigen::Matrix3d after = before - shift * l * l.transpose();
         squares.segment<3>(3 * position) +=
             (after.colwise().squaredNorm() - before.colwise().squaredNorm()).transpose();
       }
     }
     squares = squares.cwiseMax(0);
-    measured.error.frobenius = std::sqrt(squares.sum()) / column_norms_.norm();
-    measured.error.worst_column = squares.cwiseSqrt().cwiseQuotient(column_norms_).maxCoeff();
-  }
-
-  double shift_for(const EigenvalueRange& range) const {
-    return std::max(0.0, lanczos_margin * range.largest);
+    error.frobenius = std::sqrt(squares.sum()) / column_norms_.norm();
+    error.worst_column = squares.cwiseSqrt().cwiseQuotient(column_norms_).maxCoeff();
   }
 
   double spectral(double shift, int steps) const {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The certificate: how far S (C~ + shift I) S^T is from C, and the shift that it takes to be positive
-// semi-definite.
+// The certificate: how far S (C~ + shift I) S^T is from C.
 #pragma once
 #include <Eigen/Core>
 #include <memory>
@@ -10,21 +9,23 @@
 
 namespace souple {
 
-struct MeasuredError {
-  ComplianceError error;  ///< with the shift; solve_residual untouched
-  double shift = 0;       ///< C~ + shift I >= S^-1 C S^-T
-};
-
 double error_in(const ComplianceError& error, ErrorNorm norm);
 
 /// Errors against C. What a search needs costs less than the full certificate.
 class ErrorMeasure {
  public:
   virtual ~ErrorMeasure() = default;
-  /// Shift, and the error in the norm of the options; the others may be left out.
-  virtual MeasuredError estimate(const ScaledHodlr& stored) = 0;
+  /// What the other functions measure, until the next one is set; it must outlive them.
+  virtual void set_stored(const QuantisedMatrix& stored) = 0;
+  /// With the shift; solve_residual untouched. The error in the norm of the options; the others may be
+  /// left out.
+  virtual ComplianceError estimate(double shift) = 0;
   /// Everything.
-  virtual MeasuredError certify(const ScaledHodlr& stored) = 0;
+  virtual ComplianceError certify(double shift) = 0;
+  /// A shift that makes S (C~ + shift I) S^T no less than C, and so positive semi-definite; during a
+  /// search a guess that costs less.
+  virtual double shift_above() = 0;
+  virtual double guessed_shift() { return shift_above(); }
   virtual const Eigen::VectorXd& column_norms() const = 0;  ///< of C, in cluster order
 };
 

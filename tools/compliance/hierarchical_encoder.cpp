@@ -7,18 +7,64 @@
 #include <string>
 
 #include "tools/compliance/error_measure.hpp"
+#include "tools/compliance/hodlr_factor.hpp"
 
 namespace souple {
 namespace {
 
 // The search aims here and stops in between, in shares of the tolerance.
-constexpr double aim = 0.94, close_enough = 0.85;
+constexpr double aim = 0.975, close_enough = 0.93;
 constexpr int search_rounds = 14;
+constexpr double first_guess = 1.25;
+
+// Positive definite with room to spare: this share of the noise's norm.
+constexpr double cushion = 0.02;
+// Above so many scalars, factors of C~ would take too much memory beside the rest.
+constexpr std::size_t largest_factor_scalars = 100'000'000;
 
 struct Found {
   double factor = 0;
+  double shift = 0;
   QuantisedMatrix quantised;
 };
+
+// Of independent uniform errors within half a step, sqrt(step^2 / 12) each, in 3n x 3n entries.
+double noise_norm(double step, std::size_t node_count) { return step * std::sqrt(double(node_count)); }
+
+// The step whose square is the mean over all entries.
+double mean_step(const HodlrMatrix& matrix, const QuantisedMatrix& quantised) {
+  double sum = 0, entries = 0;
+  const auto add = [&](double count, double step) {
+    entries += count;
+    sum += count * step * step;
+  };
+  for (std::size_t b = 0; b < quantised.blocks.size(); ++b)
+    add(2 * double(matrix.blocks[b].left.rows()) * double(matrix.blocks[b].right.rows()),
+        double(quantised.blocks[b].step));
+  for (std::size_t leaf = 0; leaf < matrix.leaves.size(); ++leaf)
+    add(double(matrix.leaves[leaf].size()), double(quantised.leaf_step[leaf]));
+  return std::sqrt(sum / entries);
+}
+
+bool is_too_large_to_factor(const HodlrMatrix& matrix, const QuantisedMatrix& quantised) {
+  std::size_t count = 0;
+  for (std::size_t b = 0; b < matrix.blocks.size(); ++b)
+    count += quantised.blocks[b].kept.size() *
+             std::size_t(matrix.blocks[b].left.rows() + matrix.blocks[b].right.rows());
+  return count > largest_factor_scalars;
+}
+
+// Makes C~ + shift I positive definite: from its own least eigenvalue where that can be had, which is
+// often positive; else from how far the stored form falls below C.
+double needed_shift(const HodlrMatrix& matrix, const Found& found, ErrorMeasure& measure,
+                    WorkerPool& pool) {
+  if (is_too_large_to_factor(matrix, found.quantised)) return measure.guessed_shift();
+  const double resolution =
+      cushion * noise_norm(mean_step(matrix, found.quantised), matrix.order.size());
+  ScaledHodlr plain = plain_hodlr(matrix, found.quantised);
+  for (Eigen::MatrixXd& leaf : plain.leaves) leaf.diagonal().array() -= resolution;
+  return least_positive_shift(plain, resolution, pool);
+}
 
 // Errors are about proportional to the steps, so a few corrections of one factor suffice; a bracket
 // keeps them from going astray.
@@ -32,13 +78,17 @@ class FactorSearch {
   std::optional<Found> run(double start, double bound) {
     double factor = start, low = 0, high = 0;
     std::optional<Found> best;
-    for (int round = 0; round < search_rounds; ++round) {
+    for (int round = 0; round < search_rounds && !is_cancelled(); ++round) {
       auto quantised = quantise(matrix_, shares_, factor, pool_);
       if (!quantised && best) return best;
-      const double error = quantised ? error_of(*quantised) : 0;
+      double error = 0;
+      if (quantised) {
+        Found found{factor, 0, std::move(*quantised)};
+        error = error_of(found);
+        if (error <= bound) best = std::move(found);
+      }
       if (quantised && error <= bound) {
         low = factor;
-        best = Found{factor, std::move(*quantised)};
         if (error >= close_enough * bound) return best;
       } else {
         (quantised ? high : low) = factor;
@@ -48,9 +98,19 @@ class FactorSearch {
     return best;
   }
 
+  bool is_cancelled() const { return options_.cancelled && options_.cancelled(); }
+
+  ComplianceError certify(Found& found) {
+    measure_.set_stored(found.quantised);
+    if (is_too_large_to_factor(matrix_, found.quantised)) found.shift = measure_.shift_above();
+    return measure_.certify(found.shift);
+  }
+
  private:
-  double error_of(const QuantisedMatrix& quantised) {
-    return error_in(measure_.estimate(scaled_hodlr(matrix_, quantised, pool_)).error, options_.norm);
+  double error_of(Found& found) {
+    measure_.set_stored(found.quantised);
+    found.shift = needed_shift(matrix_, found, measure_, pool_);
+    return error_in(measure_.estimate(found.shift), options_.norm);
   }
 
   static double next(double factor, double correction, double low, double high) {
@@ -81,18 +141,19 @@ Result<EncodedCompliance> encode(const HodlrMatrix& matrix, ErrorMeasure& measur
                       "a tolerance of " + std::to_string(options.tolerance) + " is outside (0, 0.5]");
   const StepShares shares = step_shares(matrix, measure.column_norms(), options.norm);
   FactorSearch search(matrix, shares, measure, options, pool);
-  // Scaled entries are about 1 / sqrt(3 n) and less: the first guess matters little.
-  double factor = options.tolerance / std::sqrt(3.0 * double(matrix.order.size()));
+  // Terms that are dropped and blocks of low rank take less than dense blocks would.
+  double factor = first_guess * options.tolerance / noise_norm(1, matrix.order.size());
   double bound = options.tolerance, error = 0;
   for (int attempt = 0; attempt < 4; ++attempt) {
     auto found = search.run(factor, bound);
+    if (search.is_cancelled()) return make_issue(IssueCode::interrupted, "the compression was stopped");
     if (!found) break;
-    const MeasuredError measured = measure.certify(scaled_hodlr(matrix, found->quantised, pool));
-    error = error_in(measured.error, options.norm);
+    const ComplianceError measured = search.certify(*found);
+    error = error_in(measured, options.norm);
     if (error <= options.tolerance) {
       EncodedCompliance encoded = encode_records(matrix, found->quantised, pool);
-      encoded.error = measured.error;
-      encoded.shift = measured.shift;
+      encoded.error = measured;
+      encoded.shift = found->shift;
       if (options.progress) options.progress(1);
       return encoded;
     }

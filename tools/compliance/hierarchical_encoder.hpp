@@ -18,6 +18,8 @@ struct EncodeOptions {
   Index leaf_nodes = 32;                          ///< about so many nodes per leaf at most
   unsigned threads = 2;                           ///< the result does not depend on it
   std::function<void(double fraction)> progress;  ///< may be empty
+  /// May be empty; asked on the calling thread between blocks and rounds. True: issue interrupted.
+  std::function<bool()> cancelled;
 };
 
 struct EncodedCompliance {
@@ -35,12 +37,13 @@ std::vector<Index> cluster_order(std::span<const Point> positions);
 int cluster_depth(Index node_count, Index leaf_nodes);
 
 /// Low-rank blocks of a dense source by randomised SVD, truncated well below the tolerance, scaled for
-/// the norm. `positions`: rest positions of the rows, m.
+/// the norm. `positions`: rest positions of the rows, m. Issues: compliance_factorisation_failed,
+/// interrupted.
 Result<HodlrMatrix> compress_dense(const SymmetricSource& source, std::span<const Point> positions,
                                    const EncodeOptions& options);
 
 /// Quantises until the measured error is within (tolerance / 3, tolerance]. `source`: what the error is
-/// measured against, exactly (all columns). Issue compliance_tolerance_missed.
+/// measured against, exactly (all columns). Issues: compliance_tolerance_missed, interrupted.
 Result<EncodedCompliance> encode_hierarchical(const HodlrMatrix& matrix, const SymmetricSource& source,
                                               const EncodeOptions& options);
 /// The same with an operator: spectral error by Lanczos, Frobenius and columns by random probes.

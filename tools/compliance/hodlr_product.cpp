@@ -60,6 +60,23 @@ ScaledHodlr make_scaled(const HodlrMatrix& matrix, WorkerPool& pool, const Block
   return scaled;
 }
 
+// What the integers stand for, without S.
+std::pair<MatrixXd, MatrixXd> factors_of(const LowRankBlock& block, const QuantisedBlock& quantised) {
+  const double step = quantised.step;
+  const auto side = [&](const Eigen::MatrixXf& m) {
+    return MatrixXd(side_integers(block, quantised, m, 0, m.rows()).cast<double>());
+  };
+  return {
+      side(block.left) *
+          (step * step * kept_singular(block, quantised).cast<double>().cwiseInverse()).asDiagonal(),
+      side(block.right)};
+}
+
+MatrixXd leaf_of(const HodlrMatrix& matrix, const QuantisedMatrix& quantised, std::size_t leaf) {
+  const float step = quantised.leaf_step[leaf];
+  return double(step) * leaf_integers(matrix.leaves[leaf], step).cast<double>();
+}
+
 }  // namespace
 
 std::vector<Eigen::Matrix3d> ordered_scales(const HodlrMatrix& matrix) {
@@ -84,18 +101,21 @@ ScaledHodlr scaled_hodlr(const HodlrMatrix& matrix, WorkerPool& pool) {
 ScaledHodlr scaled_hodlr(const HodlrMatrix& matrix, const QuantisedMatrix& quantised,
                          WorkerPool& pool) {
   return make_scaled(
-      matrix, pool,
-      [&](std::size_t b) {
-        const QuantisedBlock& block = quantised.blocks[b];
-        const double step = block.step;
-        return std::pair<MatrixXd, MatrixXd>(
-            block.left.cast<double>() *
-                (step * step * block.singular.cast<double>().cwiseInverse()).asDiagonal(),
-            block.right.cast<double>());
-      },
-      [&](std::size_t leaf) {
-        return MatrixXd(double(quantised.leaf_step[leaf]) * quantised.leaves[leaf].cast<double>());
-      });
+      matrix, pool, [&](std::size_t b) { return factors_of(matrix.blocks[b], quantised.blocks[b]); },
+      [&](std::size_t leaf) { return leaf_of(matrix, quantised, leaf); });
+}
+
+ScaledHodlr plain_hodlr(const HodlrMatrix& matrix, const QuantisedMatrix& quantised) {
+  ScaledHodlr plain;
+  plain.node_count = Index(matrix.order.size());
+  plain.depth = matrix.depth;
+  for (std::size_t b = 0; b < matrix.blocks.size(); ++b) {
+    auto [left, right] = factors_of(matrix.blocks[b], quantised.blocks[b]);
+    plain.blocks.push_back({std::move(left), std::move(right)});
+  }
+  for (std::size_t leaf = 0; leaf < matrix.leaves.size(); ++leaf)
+    plain.leaves.push_back(leaf_of(matrix, quantised, leaf));
+  return plain;
 }
 
 void ScaledHodlr::add_product(double factor, const Eigen::Ref<const MatrixXd>& x,

@@ -31,6 +31,9 @@ ScaledHodlr scaled_hodlr(const HodlrMatrix& matrix, WorkerPool& pool);
 /// Of the integers: what a reader decodes, before the shift.
 ScaledHodlr scaled_hodlr(const HodlrMatrix& matrix, const QuantisedMatrix& quantised, WorkerPool& pool);
 
+/// C~ itself, without S.
+ScaledHodlr plain_hodlr(const HodlrMatrix& matrix, const QuantisedMatrix& quantised);
+
 /// L_a of every position as 3x3 matrices.
 std::vector<Eigen::Matrix3d> ordered_scales(const HodlrMatrix& matrix);
 

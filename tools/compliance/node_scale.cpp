@@ -32,9 +32,8 @@ Result<NodeScaling> spectral_scaling(const SymmetricSource& source, double toler
                         "row " + std::to_string(row));
     scaling.scale.push_back(rounded_scale(factor.matrixL()));
   }
-  // A symmetric matrix of independent entries e has spectral norm 2 sqrt(3 n) e; half the tolerance is
-  // for the shift.
-  scaling.entry_error = float(tolerance / (4 * std::sqrt(3.0 * source.node_count())));
+  // A symmetric matrix of independent entries e has spectral norm 2 sqrt(3 n) e.
+  scaling.entry_error = float(tolerance / (2 * std::sqrt(3.0 * source.node_count())));
   return scaling;
 }
 
@@ -43,18 +42,30 @@ NodeScaling frobenius_scaling(const Eigen::VectorXd& norms, double tolerance) {
   NodeScaling scaling;
   const float root = coarse(std::sqrt(size));
   scaling.scale.assign(std::size_t(norms.size() / 3), {root, 0, root, 0, 0, root});
-  // Entries of C~ have mean square 1 / (3 n); half the tolerance is for the shift.
-  scaling.entry_error = float(0.5 * tolerance / std::sqrt(double(norms.size())));
+  // Entries of C~ have mean square 1 / (3 n).
+  scaling.entry_error = float(tolerance / std::sqrt(double(norms.size())));
   return scaling;
 }
 
-// Column j of the error is s_j e sqrt(sum_i s_i^2) against s_j^2, smallest where s_j is.
+// With entries' errors s_i s_j e, column j of the error is s_j |s| e against norm c_j. Bits are fewest,
+// -sum log(s_i s_j e), where s_j = min(c_j, cap): all columns err alike but the largest, which do not
+// use their share, because a smaller |s| is worth more to the others. The cap is sqrt(2) times the root
+// mean square of s (Lagrange); a little less left more room for staying positive definite.
+Eigen::VectorXd capped(const Eigen::VectorXd& norms) {
+  constexpr double share = 1.3;
+  constexpr int rounds = 60;
+  Eigen::VectorXd s = norms;
+  for (int k = 0; k < rounds; ++k) s = norms.cwiseMin(share * s.norm() / std::sqrt(double(s.size())));
+  return s;
+}
+
 NodeScaling column_scaling(const Eigen::VectorXd& norms, double tolerance) {
-  const Eigen::VectorXd roots = norms.cwiseSqrt();
+  const double unit = std::sqrt(norms.mean());
+  const Eigen::VectorXd s = capped(norms) / unit;
   NodeScaling scaling;
-  for (Eigen::Index j = 0; j < roots.size(); j += 3)
-    scaling.scale.push_back({coarse(roots[j]), 0, coarse(roots[j + 1]), 0, 0, coarse(roots[j + 2])});
-  scaling.entry_error = float(tolerance * roots.minCoeff() / roots.norm());
+  for (Eigen::Index j = 0; j < s.size(); j += 3)
+    scaling.scale.push_back({coarse(s[j]), 0, coarse(s[j + 1]), 0, 0, coarse(s[j + 2])});
+  scaling.entry_error = float(tolerance * unit / s.norm());
   return scaling;
 }
 

@@ -30,8 +30,8 @@ struct NodeScaling {
 };
 
 /// scaled_spectral: the Cholesky factors of the diagonal blocks; frobenius: one constant; worst_column:
-/// the roots of the column norms. Issue compliance_factorisation_failed: a diagonal block is not
-/// positive definite.
+/// the column norms, the largest cut off. Issue compliance_factorisation_failed: a diagonal block is
+/// not positive definite.
 Result<NodeScaling> node_scaling(const SymmetricSource& source, const EncodeOptions& options,
                                  WorkerPool& pool);
 

@@ -4,10 +4,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "tools/compliance/error_measure.hpp"
 #include "tools/compliance/extreme_eigenvalues.hpp"
+#include "tools/compliance/hodlr_view.hpp"
 
 namespace souple {
 namespace {
@@ -33,28 +35,45 @@ class OperatorMeasure final : public ErrorMeasure {
       : order_(matrix.order),
         exact_(exact),
         norm_(norm),
-        sampled_(scaled_hodlr(matrix, pool)),
+        matrix_(matrix),
+        pool_(pool),
+        sampled_(matrix, nullptr, pool),
         scales_(ordered_scales(matrix)),
-        column_norms_(sampled_.column_norms()),
         signs_(random_signs(size(), probe_count)) {
-    for (std::size_t leaf = 0; leaf < sampled_.leaves.size(); ++leaf)
-      for (Eigen::Index a = 0; 3 * a < sampled_.leaves[leaf].rows(); ++a) {
-        const Eigen::Matrix3d block = sampled_.leaves[leaf].block<3, 3>(3 * a, 3 * a);
-        diagonal_factors_.push_back(block.llt().matrixL());
-      }
+    for (std::size_t leaf = 0; leaf < matrix.leaves.size(); ++leaf) {
+      const MatrixXd own = sampled_.scaled_leaf(leaf);
+      for (Eigen::Index a = 0; 3 * a < own.rows(); ++a)
+        diagonal_factors_.push_back(Eigen::Matrix3d(own.block<3, 3>(3 * a, 3 * a)).llt().matrixL());
+    }
     sampled_signs_ = MatrixXd::Zero(size(), probe_count);
     sampled_.add_product(1, signs_, sampled_signs_);
+    // Where single columns are promised, their norms have to be exact.
+    column_norms_ =
+        norm == ErrorNorm::worst_column
+            ? sampled_.column_norms()
+            : VectorXd((sampled_signs_.rowwise().squaredNorm() / double(probe_count)).cwiseSqrt());
   }
 
-  MeasuredError estimate(const ScaledHodlr& stored) override {
-    return measure(stored, sampled_signs_, search_steps, norm_ == ErrorNorm::scaled_spectral,
+  void set_stored(const QuantisedMatrix& stored) override { stored_.emplace(matrix_, &stored, pool_); }
+
+  ComplianceError estimate(double shift) override {
+    return measure(shift, sampled_signs_, search_steps, norm_ == ErrorNorm::scaled_spectral,
                    [&](const MatrixXd& x, MatrixXd& y) { sampled_.add_product(1, x, y); });
   }
 
-  MeasuredError certify(const ScaledHodlr& stored) override {
+  ComplianceError certify(double shift) override {
     if (exact_signs_.size() == 0) exact_signs_ = apply_exact(signs_);
-    return measure(stored, exact_signs_, certificate_steps, true,
+    return measure(shift, exact_signs_, certificate_steps, true,
                    [&](const MatrixXd& x, MatrixXd& y) { y += apply_exact(x); });
+  }
+
+  double shift_above() override {
+    return shift_over([&](const MatrixXd& x, MatrixXd& y) { y += apply_exact(x); }, certificate_steps);
+  }
+
+  double guessed_shift() override {
+    return shift_over([&](const MatrixXd& x, MatrixXd& y) { sampled_.add_product(1, x, y); },
+                      search_steps);
   }
 
   const VectorXd& column_norms() const override { return column_norms_; }
@@ -75,29 +94,38 @@ class OperatorMeasure final : public ErrorMeasure {
   }
 
   template <class AddReference>
-  MeasuredError measure(const ScaledHodlr& stored, const MatrixXd& reference_signs, int steps,
-                        bool with_spectral, const AddReference& add_reference) const {
+  double shift_over(const AddReference& add_reference, int steps) const {
+    const EigenvalueRange range = eigenvalues(
+        [&](const MatrixXd& x, MatrixXd& y) {
+          y.setZero(x.rows(), x.cols());
+          add_reference(x, y);
+          stored_->add_product(-1, x, y);
+        },
+        scales_, 0, steps);
+    return std::max(0.0, lanczos_margin * range.largest);
+  }
+
+  template <class AddReference>
+  ComplianceError measure(double shift, const MatrixXd& reference_signs, int steps, bool with_spectral,
+                          const AddReference& add_reference) const {
     const auto difference = [&](const MatrixXd& x, MatrixXd& y) {
       y.setZero(x.rows(), x.cols());
       add_reference(x, y);
-      stored.add_product(-1, x, y);
+      stored_->add_product(-1, x, y);
     };
-    MeasuredError measured;
-    const EigenvalueRange range = eigenvalues(difference, scales_, 0, steps);
-    measured.shift = std::max(0.0, lanczos_margin * range.largest);
+    ComplianceError error;
     MatrixXd image = reference_signs;
-    stored.add_product(-1, signs_, image);
-    add_shift(-measured.shift, signs_, image);
+    stored_->add_product(-1, signs_, image);
+    add_shift(-shift, signs_, image);
     const VectorXd squares = image.rowwise().squaredNorm() / double(probe_count);
-    measured.error.frobenius = frobenius_margin * std::sqrt(squares.sum()) / column_norms_.norm();
-    measured.error.worst_column =
-        column_margin * squares.cwiseSqrt().cwiseQuotient(column_norms_).maxCoeff();
+    error.frobenius = frobenius_margin * std::sqrt(squares.sum()) / column_norms_.norm();
+    error.worst_column = column_margin * squares.cwiseSqrt().cwiseQuotient(column_norms_).maxCoeff();
     if (with_spectral) {
-      const EigenvalueRange total = eigenvalues(difference, diagonal_factors_, measured.shift, steps);
-      measured.error.scaled_spectral =
+      const EigenvalueRange total = eigenvalues(difference, diagonal_factors_, shift, steps);
+      error.scaled_spectral =
           lanczos_margin * std::max(std::abs(total.smallest), std::abs(total.largest));
     }
-    return measured;
+    return error;
   }
 
   void add_shift(double shift, const MatrixXd& x, MatrixXd& y) const {
@@ -127,10 +155,13 @@ class OperatorMeasure final : public ErrorMeasure {
   const std::vector<Index> order_;
   const SymmetricOperator& exact_;
   const ErrorNorm norm_;
-  const ScaledHodlr sampled_;
+  const HodlrMatrix& matrix_;
+  WorkerPool& pool_;
+  const HodlrView sampled_;
   const std::vector<Eigen::Matrix3d> scales_;
-  const VectorXd column_norms_;
   const MatrixXd signs_;
+  VectorXd column_norms_;
+  std::optional<HodlrView> stored_;
   MatrixXd sampled_signs_, exact_signs_;
   std::vector<Eigen::Matrix3d> diagonal_factors_;
 };

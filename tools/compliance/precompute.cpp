@@ -70,18 +70,23 @@ class Precompute {
   Precompute(const CompliancePrecomputeOptions& options, const CompliancePrecomputeSettings& settings)
       : options_(options), settings_(settings), progress_(settings.progress) {}
 
-  Result<ComplianceVariant> run(const MeshLevel& level, const MeshLevel* coarser,
-                                const Material& material, const FixedSet* fixed) {
-    if (auto status = make_header(material, fixed); !status) return status.issue();
+  Result<ComplianceVariant> run(PreparedBody& body, const MeshLevel* coarser, const FixedSet* fixed) {
+    const MeshLevel& level = body.level();
+    if (auto status = make_header(body.material(), fixed); !status) return status.issue();
     if (options_.kind == ComplianceKind::static_equilibrium) {
       if (fixed)
         if (auto status = check_fixed_set(*fixed, level.mesh.nodes.size()); !status)
           return status.issue();
       if (auto status = check_static_support(level.mesh, fixed); !status) return status.issue();
     }
-    auto system = build_system(level, material, fixed, options_.nodes, header_.mass_factor,
-                               header_.stiffness_factor);
+    auto system =
+        build_system(body, fixed, options_.nodes, header_.mass_factor, header_.stiffness_factor);
     if (!system) return system.issue();
+    if (settings_.way != ComplianceWay::by_solves) {
+      const auto order = body.order(system->free_nodes, system->nodes);
+      if (!order) return order.issue();
+      system->order.assign(order->begin(), order->end());
+    }
     if (options_.coarsening == 0) return compute(*system);
     if (!coarser)
       return make_issue(IssueCode::recipe_needs_coarser_level, "there is no level below the finest",
@@ -153,9 +158,10 @@ class Precompute {
   }
 
   Result<SupernodalFactor> factorise(const ComplianceSystem& system, Progress progress) const {
-    auto factor = SupernodalFactor::create(
-        *system.a0, system.free_nodes,
-        {settings_.memory_limit_bytes, settings_.threads, std::move(progress), settings_.cancelled});
+    auto factor =
+        SupernodalFactor::create(*system.a0, system.free_nodes,
+                                 {settings_.memory_limit_bytes, settings_.threads, system.nodes,
+                                  system.order, std::move(progress), settings_.cancelled});
     if (factor || factor.issue().code != IssueCode::compliance_factorisation_failed) return factor;
     Issue issue = factor.issue();
     issue.where = system.worst_element;
@@ -232,6 +238,7 @@ class Precompute {
     encode.norm = options_.norm;
     encode.threads = settings_.threads;
     encode.progress = progress_.part(0.65, 1);
+    encode.cancelled = settings_.cancelled;
     return encode;
   }
 
@@ -353,14 +360,22 @@ class Precompute {
 
 }  // namespace
 
-Result<ComplianceVariant> precompute_compliance(const MeshLevel& level, const MeshLevel* coarser,
-                                                const Material& material, const FixedSet* fixed,
+Result<ComplianceVariant> precompute_compliance(PreparedBody& body, const MeshLevel* coarser,
+                                                const FixedSet* fixed,
                                                 const CompliancePrecomputeOptions& options,
                                                 const CompliancePrecomputeSettings& settings) try {
-  return Precompute(options, settings).run(level, coarser, material, fixed);
+  return Precompute(options, settings).run(body, coarser, fixed);
 } catch (const std::bad_alloc&) {
   return make_issue(IssueCode::compliance_out_of_memory, "the memory of the machine ran out",
                     options.name);
+}
+
+Result<ComplianceVariant> precompute_compliance(const MeshLevel& level, const MeshLevel* coarser,
+                                                const Material& material, const FixedSet* fixed,
+                                                const CompliancePrecomputeOptions& options,
+                                                const CompliancePrecomputeSettings& settings) {
+  PreparedBody body(level, material);
+  return precompute_compliance(body, coarser, fixed, options, settings);
 }
 
 }  // namespace souple

@@ -8,6 +8,7 @@
 
 #include "formats/core/asset.hpp"
 #include "formats/core/result.hpp"
+#include "tools/compliance/prepared_body.hpp"
 
 namespace souple {
 
@@ -40,13 +41,18 @@ struct CompliancePrecomputeSettings {
 };
 
 /// A0 = a_M M + a_K K with the nodes of `fixed` removed (nullptr: none), inverted on the surface nodes
-/// (fixed ones left out): factorised by CHOLMOD's supernodal Cholesky, then the Gram form Y^T Y with
-/// Y = L^-1 E_s over the supernodes, or low-rank blocks from solves. `level` is the finest one,
-/// `coarser` the one below (needed for coarsening; may be nullptr). The residual and the error of what
-/// is stored are measured and put into the header. Issues: material_out_of_range, fixed_set_invalid,
-/// compliance_singular, mesh_element_invalid, compliance_factorisation_failed,
-/// compliance_residual_too_large, compliance_out_of_memory, compliance_tolerance_missed,
-/// compliance_region_empty, interrupted.
+/// (fixed ones left out): factorised, then the Gram form Y^T Y with
+/// Y = L^-1 E_s over the supernodes, or low-rank blocks from solves. `body` keeps
+/// what several variants share; `coarser` is the level below (needed for coarsening; may be nullptr).
+/// The residual and the error of what is stored are measured and put into the header. Issues:
+/// material_out_of_range, fixed_set_invalid, compliance_singular, mesh_element_invalid,
+/// compliance_factorisation_failed, compliance_residual_too_large, compliance_out_of_memory,
+/// compliance_tolerance_missed, compliance_region_empty, interrupted.
+Result<ComplianceVariant> precompute_compliance(PreparedBody& body, const MeshLevel* coarser,
+                                                const FixedSet* fixed,
+                                                const CompliancePrecomputeOptions& options,
+                                                const CompliancePrecomputeSettings& settings);
+/// The same for one variant alone.
 Result<ComplianceVariant> precompute_compliance(const MeshLevel& level, const MeshLevel* coarser,
                                                 const Material& material, const FixedSet* fixed,
                                                 const CompliancePrecomputeOptions& options,

@@ -18,39 +18,50 @@ constexpr double largest_magnitude = 1 << 30;
 // other steps can be so much larger that the bytes fall by 1 %, the ranks by 12 % to 20 %.
 constexpr double smallest_size = 0.5;
 
-bool round_to(const Eigen::MatrixXd& scaled, Eigen::MatrixXi& out) {
-  if (scaled.size() > 0 && !(scaled.cwiseAbs().maxCoeff() < largest_magnitude)) return false;
-  out = scaled.array().round().cast<int>();
-  return true;
+bool is_too_large(const Eigen::Ref<const Eigen::MatrixXf>& m, double factor) {
+  return m.size() > 0 && !(double(m.cwiseAbs().maxCoeff()) * std::abs(factor) < largest_magnitude);
+}
+
+// Bytes that hold integers up to this size, two's complement.
+std::uint8_t planes_of(int largest) {
+  std::uint8_t planes = 1;
+  while (planes < 4 && largest >= (1 << (8 * planes - 1))) ++planes;
+  return planes;
+}
+
+// Singular values in steps: what the columns are multiplied by before rounding.
+double in_steps(const LowRankBlock& block, Eigen::Index k, float step) {
+  return double(block.singular[k]) / double(step);
+}
+
+// The largest magnitude of every column's integers.
+Eigen::VectorXi largest_integers(const Eigen::MatrixXf& side, const LowRankBlock& block, float step) {
+  Eigen::VectorXi largest(side.cols());
+  for (Eigen::Index k = 0; k < side.cols(); ++k)
+    largest[k] =
+        side.rows() == 0
+            ? 0
+            : int(std::round(double(side.col(k).cwiseAbs().maxCoeff()) * in_steps(block, k, step)));
+  return largest;
 }
 
 bool quantise_block(const LowRankBlock& block, double step, QuantisedBlock& out) {
   out.step = float(step);
-  const Eigen::VectorXd factor = block.singular.cast<double>() / double(out.step);
-  Eigen::MatrixXi left, right;
-  if (!round_to(block.left.cast<double>() * factor.asDiagonal(), left) ||
-      !round_to(block.right.cast<double>() * factor.asDiagonal(), right))
-    return false;
-  // Root mean square of the integers of a term, over both sides.
-  const Eigen::VectorXd size =
-      factor / std::sqrt(std::sqrt(double(left.rows()) * double(right.rows())));
-  std::vector<Eigen::Index> kept;
-  for (Eigen::Index k = 0; k < left.cols(); ++k)
-    if (size[k] > smallest_size && (left.col(k).array() != 0).any() &&
-        (right.col(k).array() != 0).any())
-      kept.push_back(k);
-  out.left = left(Eigen::all, kept);
-  out.right = right(Eigen::all, kept);
-  out.singular = block.singular(kept);
+  for (Eigen::Index k = 0; k < block.singular.size(); ++k)
+    if (is_too_large(block.left.col(k), in_steps(block, k, out.step)) ||
+        is_too_large(block.right.col(k), in_steps(block, k, out.step)))
+      return false;
+  const Eigen::VectorXi left = largest_integers(block.left, block, out.step);
+  const Eigen::VectorXi right = largest_integers(block.right, block, out.step);
+  const double rows = std::sqrt(double(block.left.rows()) * double(block.right.rows()));
+  for (Eigen::Index k = 0; k < block.singular.size(); ++k) {
+    // Root mean square of the integers of the term, over both sides.
+    const double size = in_steps(block, k, out.step) / std::sqrt(rows);
+    if (!(size > smallest_size) || left[k] == 0 || right[k] == 0) continue;
+    out.kept.push_back(k);
+    out.planes.push_back(planes_of(std::max(left[k], right[k])));
+  }
   return true;
-}
-
-// Bytes that hold every integer, two's complement.
-std::uint8_t planes_of(const Eigen::Ref<const Eigen::MatrixXi>& integers) {
-  const int largest = integers.size() == 0 ? 0 : integers.cwiseAbs().maxCoeff();
-  std::uint8_t planes = 1;
-  while (planes < 4 && largest >= (1 << (8 * planes - 1))) ++planes;
-  return planes;
 }
 
 HierarchicalIndex make_index(const HodlrMatrix& matrix, const QuantisedMatrix& quantised) {
@@ -59,13 +70,17 @@ HierarchicalIndex make_index(const HodlrMatrix& matrix, const QuantisedMatrix& q
   index.order = matrix.order;
   index.scale = matrix.scale;
   index.leaf_step = quantised.leaf_step;
-  for (const Eigen::MatrixXi& leaf : quantised.leaves) index.leaf_planes.push_back(planes_of(leaf));
-  for (const QuantisedBlock& block : quantised.blocks) {
-    index.rank.push_back(Index(block.singular.size()));
+  for (std::size_t leaf = 0; leaf < matrix.leaves.size(); ++leaf) {
+    const Eigen::MatrixXi integers = leaf_integers(matrix.leaves[leaf], quantised.leaf_step[leaf]);
+    index.leaf_planes.push_back(planes_of(integers.size() == 0 ? 0 : integers.cwiseAbs().maxCoeff()));
+  }
+  for (std::size_t b = 0; b < quantised.blocks.size(); ++b) {
+    const QuantisedBlock& block = quantised.blocks[b];
+    index.rank.push_back(Index(block.kept.size()));
     index.step.push_back(block.step);
-    index.singular.insert(index.singular.end(), block.singular.begin(), block.singular.end());
-    for (Eigen::Index k = 0; k < block.singular.size(); ++k)
-      index.planes.push_back(std::max(planes_of(block.left.col(k)), planes_of(block.right.col(k))));
+    const Eigen::VectorXf singular = kept_singular(matrix.blocks[b], block);
+    index.singular.insert(index.singular.end(), singular.begin(), singular.end());
+    index.planes.insert(index.planes.end(), block.planes.begin(), block.planes.end());
   }
   return index;
 }
@@ -73,32 +88,51 @@ HierarchicalIndex make_index(const HodlrMatrix& matrix, const QuantisedMatrix& q
 LeafIntegers integers_of(const HodlrMatrix& matrix, const QuantisedMatrix& quantised,
                          const RecordShape& shape) {
   const auto count = Index(matrix.order.size());
-  const Eigen::MatrixXi& diagonal = quantised.leaves[std::size_t(shape.leaf)];
+  const auto leaf = std::size_t(shape.leaf);
+  const Eigen::MatrixXi diagonal = leaf_integers(matrix.leaves[leaf], quantised.leaf_step[leaf]);
   LeafIntegers integers;
   for (Eigen::Index i = 0; i < diagonal.rows(); ++i)
     for (Eigen::Index j = 0; j <= i; ++j) integers.diagonal.push_back(diagonal(i, j));
   const Index leaf_begin = cluster_range(count, matrix.depth, shape.leaf).begin;
   for (int d = 0; d < matrix.depth; ++d) {
     const Index child = shape.leaf >> (matrix.depth - d - 1);
-    const QuantisedBlock& block = quantised.blocks[shape.factors[std::size_t(d)].block];
-    const Eigen::MatrixXi& side = child % 2 == 0 ? block.left : block.right;
+    const auto b = std::size_t(shape.factors[std::size_t(d)].block);
+    const LowRankBlock& block = matrix.blocks[b];
     const Eigen::Index first = 3 * Eigen::Index{leaf_begin - cluster_range(count, d + 1, child).begin};
-    for (Eigen::Index k = 0; k < side.cols(); ++k) {
-      const auto rows = side.col(k).segment(first, shape.rows);
-      integers.factors.insert(integers.factors.end(), rows.begin(), rows.end());
-    }
+    const Eigen::MatrixXi side = side_integers(
+        block, quantised.blocks[b], child % 2 == 0 ? block.left : block.right, first, shape.rows);
+    integers.factors.insert(integers.factors.end(), side.data(), side.data() + side.size());
   }
   return integers;
 }
 
 }  // namespace
 
+Eigen::MatrixXi side_integers(const LowRankBlock& block, const QuantisedBlock& quantised,
+                              const Eigen::MatrixXf& side, Eigen::Index first, Eigen::Index count) {
+  Eigen::MatrixXi integers(count, Eigen::Index(quantised.kept.size()));
+  for (Eigen::Index k = 0; k < integers.cols(); ++k) {
+    const Eigen::Index term = quantised.kept[std::size_t(k)];
+    const double factor = in_steps(block, term, quantised.step);
+    integers.col(k) =
+        (factor * side.col(term).segment(first, count).cast<double>()).array().round().cast<int>();
+  }
+  return integers;
+}
+
+Eigen::MatrixXi leaf_integers(const Eigen::MatrixXf& leaf, float step) {
+  return (leaf.cast<double>() / double(step)).array().round().cast<int>();
+}
+
+Eigen::VectorXf kept_singular(const LowRankBlock& block, const QuantisedBlock& quantised) {
+  return block.singular(quantised.kept);
+}
+
 std::optional<QuantisedMatrix> quantise(const HodlrMatrix& matrix, const StepShares& shares,
                                         double factor, WorkerPool& pool) {
   QuantisedMatrix out;
   const std::size_t blocks = matrix.blocks.size(), leaves = matrix.leaves.size();
   out.blocks.resize(blocks);
-  out.leaves.resize(leaves);
   out.leaf_step.resize(leaves);
   std::atomic<bool> ok{true};
   pool.run(blocks + leaves, [&](std::size_t item, unsigned) {
@@ -110,8 +144,7 @@ std::optional<QuantisedMatrix> quantise(const HodlrMatrix& matrix, const StepSha
     }
     const std::size_t leaf = item - blocks;
     out.leaf_step[leaf] = float(factor * shares.leaf[Eigen::Index(leaf)]);
-    if (!round_to(matrix.leaves[leaf].cast<double>() / double(out.leaf_step[leaf]), out.leaves[leaf]))
-      ok = false;
+    if (is_too_large(matrix.leaves[leaf], 1 / double(out.leaf_step[leaf]))) ok = false;
   });
   if (!ok) return std::nullopt;
   return out;

@@ -3,6 +3,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -23,17 +24,25 @@ struct StepShares {
 /// `column_norms`: of C, in cluster order.
 StepShares step_shares(const HodlrMatrix& matrix, const Eigen::VectorXd& column_norms, ErrorNorm norm);
 
+/// How a low-rank block is rounded. Its integers, a_k and b_k of HierarchicalIndex, follow from the
+/// block: together they would take as much memory as all blocks.
 struct QuantisedBlock {
-  Eigen::MatrixXi left, right;  ///< a_k and b_k of HierarchicalIndex; no term is all zero
-  Eigen::VectorXf singular;
+  std::vector<Eigen::Index> kept;    ///< terms of the block; none is all zero
+  std::vector<std::uint8_t> planes;  ///< bytes that hold a term's integers
   float step = 0;
 };
 
 struct QuantisedMatrix {
   std::vector<QuantisedBlock> blocks;
-  std::vector<Eigen::MatrixXi> leaves;
   std::vector<float> leaf_step;
 };
+
+/// Rows [first, first + count) of a side of `block`, left or right, in integers; count x kept.
+Eigen::MatrixXi side_integers(const LowRankBlock& block, const QuantisedBlock& quantised,
+                              const Eigen::MatrixXf& side, Eigen::Index first, Eigen::Index count);
+Eigen::MatrixXi leaf_integers(const Eigen::MatrixXf& leaf, float step);
+/// The singular values of the kept terms.
+Eigen::VectorXf kept_singular(const LowRankBlock& block, const QuantisedBlock& quantised);
 
 /// Nothing if an integer would exceed what a record can hold.
 std::optional<QuantisedMatrix> quantise(const HodlrMatrix& matrix, const StepShares& shares,

@@ -2,6 +2,7 @@
 #include "tools/compliance/rest_solver.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 namespace souple {
 namespace {
@@ -10,12 +11,14 @@ constexpr Eigen::Index columns_at_once = 48;
 
 }  // namespace
 
-RestSolver::RestSolver(ComplianceSystem system, SupernodalFactor factor,
-                       std::function<bool()> cancelled)
+RestSolver::RestSolver(ComplianceSystem system, SupernodalFactor factor, const FactorOptions& options)
     : system_(std::move(system)),
       factor_(std::move(factor)),
-      cancelled_(std::move(cancelled)),
-      workspace_(std::make_unique<SupernodalFactor::Workspace>(factor_, columns_at_once)) {}
+      cancelled_(options.cancelled),
+      pool_(std::make_unique<WorkerPool>(options.threads)) {
+  for (unsigned worker = 0; worker < pool_->threads(); ++worker)
+    workspaces_.emplace_back(factor_, columns_at_once);
+}
 
 Result<RestSolver> RestSolver::create(ComplianceSystem system, const FactorOptions& options) {
   auto factor = SupernodalFactor::create(*system.a0, system.free_nodes, options);
@@ -24,23 +27,37 @@ Result<RestSolver> RestSolver::create(ComplianceSystem system, const FactorOptio
     if (issue.where.empty()) issue.where = system.worst_element;
     return issue;
   }
-  return RestSolver(std::move(system), std::move(*factor), options.cancelled);
+  return RestSolver(std::move(system), std::move(*factor), options);
+}
+
+Status RestSolver::solve_block(SupernodalFactor::Workspace& workspace,
+                               Eigen::Ref<Eigen::MatrixXd> x) const {
+  const auto out_of_memory = [] {
+    return make_issue(IssueCode::compliance_out_of_memory, "the solves ran out of memory");
+  };
+  const auto right_sides = workspace.right_sides();
+  if (right_sides.empty()) return out_of_memory();
+  Eigen::Map<Eigen::MatrixXd>(right_sides.data(), size(), x.cols()) = x;
+  const auto solution = factor_.solve(workspace, static_cast<std::size_t>(x.cols()));
+  if (solution.empty()) return out_of_memory();
+  x = Eigen::Map<const Eigen::MatrixXd>(solution.data(), size(), x.cols());
+  return {};
 }
 
 Status RestSolver::solve(Eigen::Ref<Eigen::MatrixXd> x) const {
-  for (Eigen::Index first = 0; first < x.cols(); first += columns_at_once) {
-    if (cancelled_ && cancelled_())
-      return make_issue(IssueCode::interrupted, "the solves were stopped");
-    const Eigen::Index count = std::min(columns_at_once, x.cols() - first);
-    const auto right_sides = workspace_->right_sides();
-    if (right_sides.empty())
-      return make_issue(IssueCode::compliance_out_of_memory, "the solves ran out of memory");
-    Eigen::Map<Eigen::MatrixXd>(right_sides.data(), size(), count) = x.middleCols(first, count);
-    const auto solution = factor_.solve(*workspace_, static_cast<std::size_t>(count));
-    if (solution.empty())
-      return make_issue(IssueCode::compliance_out_of_memory, "the solves ran out of memory");
-    x.middleCols(first, count) = Eigen::Map<const Eigen::MatrixXd>(solution.data(), size(), count);
-  }
+  const auto blocks = static_cast<std::size_t>((x.cols() + columns_at_once - 1) / columns_at_once);
+  std::vector<Status> status(blocks);
+  std::atomic<bool> stopped{false};
+  pool_->run(blocks, [&](std::size_t block, unsigned worker) {
+    if (worker == 0 && cancelled_ && cancelled_()) stopped = true;
+    if (stopped) return;
+    const Eigen::Index first = Eigen::Index(block) * columns_at_once;
+    status[block] = solve_block(workspaces_[worker],
+                                x.middleCols(first, std::min(columns_at_once, x.cols() - first)));
+  });
+  if (stopped) return make_issue(IssueCode::interrupted, "the solves were stopped");
+  for (const Status& s : status)
+    if (!s) return s;
   return {};
 }
 

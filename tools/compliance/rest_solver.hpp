@@ -4,11 +4,13 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "formats/core/asset.hpp"
 #include "formats/core/result.hpp"
 #include "tools/compliance/compliance_system.hpp"
 #include "tools/compliance/supernodal_factor.hpp"
+#include "tools/compliance/worker_pool.hpp"
 
 namespace souple {
 
@@ -21,8 +23,8 @@ class RestSolver {
 
   const ComplianceSystem& system() const { return system_; }
   Eigen::Index size() const { return 3 * Eigen::Index(system_.free_nodes.size()); }
-  /// x <- A0^-1 x, by columns; rows are the free nodes, three each. Issues: compliance_out_of_memory,
-  /// interrupted.
+  /// x <- A0^-1 x, by columns; rows are the free nodes, three each. The threads of the options share
+  /// the columns; the bits do not depend on them. Issues: compliance_out_of_memory, interrupted.
   Status solve(Eigen::Ref<Eigen::MatrixXd> x) const;
   /// A0 x.
   Eigen::MatrixXd multiply(const Eigen::Ref<const Eigen::MatrixXd>& x) const;
@@ -30,12 +32,14 @@ class RestSolver {
   Result<double> residual(const Eigen::Ref<const Eigen::MatrixXd>& f) const;
 
  private:
-  RestSolver(ComplianceSystem system, SupernodalFactor factor, std::function<bool()> cancelled);
+  RestSolver(ComplianceSystem system, SupernodalFactor factor, const FactorOptions& options);
+  Status solve_block(SupernodalFactor::Workspace& workspace, Eigen::Ref<Eigen::MatrixXd> x) const;
 
   ComplianceSystem system_;
   SupernodalFactor factor_;
   std::function<bool()> cancelled_;
-  std::unique_ptr<SupernodalFactor::Workspace> workspace_;
+  std::unique_ptr<WorkerPool> pool_;
+  mutable std::vector<SupernodalFactor::Workspace> workspaces_;  ///< by thread
 };
 
 /// Rows [first_row, first_row + rows) of the compliance on all nodes of the mesh, three rows a node,

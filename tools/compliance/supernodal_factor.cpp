@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "tools/compliance/blas_calls.hpp"
+#include "tools/compliance/lower_pattern.hpp"
 #include "tools/compliance/multifrontal.hpp"
+#include "tools/compliance/node_ordering.hpp"
 
 namespace souple {
 namespace {
@@ -31,72 +33,15 @@ struct Session {
   ~Session() { cholmod_l_finish(&common); }
 };
 
-/// Where the lower triangle of the chosen part may be non-zero, by columns, for nodes of `width`
-/// scalars.
-struct LowerPattern {
-  std::vector<Long> begin{0}, row;
-  cholmod_sparse view() {
-    cholmod_sparse sparse{};
-    sparse.nrow = sparse.ncol = begin.size() - 1;
-    sparse.nzmax = row.size();
-    sparse.p = begin.data();
-    sparse.i = row.data();
-    sparse.stype = -1;
-    sparse.itype = CHOLMOD_LONG;
-    sparse.xtype = CHOLMOD_PATTERN;
-    sparse.dtype = CHOLMOD_DOUBLE;
-    sparse.sorted = 1;
-    sparse.packed = 1;
-    return sparse;
-  }
-};
-
-LowerPattern lower_pattern(const BlockPattern& pattern, std::span<const Index> nodes, Long width) {
-  std::vector<Index> local(std::size_t(pattern.node_count()), -1);
-  for (std::size_t k = 0; k < nodes.size(); ++k) local[std::size_t(nodes[k])] = Index(k);
-  LowerPattern lower;
-  for (std::size_t k = 0; k < nodes.size(); ++k)
-    for (Long column = width * Long(k); column < width * Long(k + 1); ++column) {
-      for (Index b = pattern.row_begin[std::size_t(nodes[k])];
-           b < pattern.row_begin[std::size_t(nodes[k]) + 1]; ++b) {
-        const Long other = local[std::size_t(pattern.column[std::size_t(b)])];
-        if (other < 0) continue;
-        for (Long row = std::max(column, width * other); row < width * (other + 1); ++row)
-          lower.row.push_back(row);
-      }
-      lower.begin.push_back(Long(lower.row.size()));
-    }
-  return lower;
-}
-
 Issue out_of_memory(const std::string& what) {
   return make_issue(IssueCode::compliance_out_of_memory, what);
-}
-
-// Nested dissection of whole nodes rather than scalars: a ninth of the graph, and the three scalars of
-// a node stay together. In postorder.
-Result<std::vector<Index>> order_nodes(const BlockPattern& pattern, std::span<const Index> nodes,
-                                       cholmod_common& common) {
-  LowerPattern lower = lower_pattern(pattern, nodes, 1);
-  cholmod_sparse view = lower.view();
-  common.supernodal = CHOLMOD_SIMPLICIAL;
-  common.postorder = 1;
-  common.nmethods = 2;  // the one with less fill
-  common.method[0].ordering = CHOLMOD_METIS;
-  common.method[1].ordering = CHOLMOD_AMD;
-  cholmod_factor* factor = cholmod_l_analyze(&view, &common);
-  if (!factor) return out_of_memory("the ordering of the system ran out of memory");
-  const auto* place = static_cast<const Long*>(factor->Perm);
-  std::vector<Index> order(place, place + factor->n);
-  cholmod_l_free_factor(&factor, &common);
-  return order;
 }
 
 // The supernodes of that order, and memory for their values.
 cholmod_factor* analyse_supernodes(const BlockPattern& pattern, std::span<const Index> nodes,
                                    std::span<const Index> order, cholmod_common& common) {
   LowerPattern lower = lower_pattern(pattern, nodes, 3);
-  cholmod_sparse view = lower.view();
+  cholmod_sparse view = as_sparse(lower);
   std::vector<Long> scalar_order;
   for (const Index node : order)
     for (Long c = 0; c < 3; ++c) scalar_order.push_back(3 * Long(node) + c);
@@ -151,9 +96,12 @@ Result<SupernodalFactor> SupernodalFactor::create(const BlockMatrix& a, std::spa
                                                   const FactorOptions& options) {
   auto state = std::make_unique<State>();
   cholmod_common& common = state->session.common;
-  auto order = order_nodes(*a.pattern, nodes, common);
-  if (!order) return order.issue();
-  state->order = std::move(*order);
+  state->order.assign(options.order.begin(), options.order.end());
+  if (state->order.empty()) {
+    auto order = order_nodes(*a.pattern, nodes, options.surface);
+    if (!order) return order.issue();
+    state->order = std::move(*order);
+  }
   state->factor = analyse_supernodes(*a.pattern, nodes, state->order, common);
   if (!state->factor || !state->factor->is_super)
     return out_of_memory("the analysis of the system ran out of memory");

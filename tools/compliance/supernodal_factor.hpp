@@ -35,7 +35,10 @@ struct SupernodeView {
 
 struct FactorOptions {
   std::size_t memory_limit_bytes = std::size_t{16} << 30;
-  unsigned threads = 2;                           ///< the bits do not depend on it
+  unsigned threads = 2;  ///< the bits do not depend on it
+  /// Nodes whose compliance will be formed, for an order in which that is cheap; empty: none will.
+  std::span<const Index> surface{};
+  std::span<const Index> order{};                 ///< that of order_nodes, where it is known already
   std::function<void(double fraction)> progress;  ///< may be empty; called from the calling thread
   std::function<bool()> cancelled;                ///< may be empty; the same
 };

@@ -62,7 +62,8 @@ Result<std::unique_ptr<SurfaceInverse>> SurfaceInverse::create(const BlockMatrix
                                                                std::span<const Index> surface_nodes,
                                                                const Limits& limits) {
   auto factor = SupernodalFactor::create(
-      a0, free_nodes, {limits.memory_limit_bytes, limits.threads, limits.progress, limits.cancelled});
+      a0, free_nodes,
+      {limits.memory_limit_bytes, limits.threads, {}, {}, limits.progress, limits.cancelled});
   if (!factor) return factor.issue();
   const SupernodeView view = factor->view();
   std::unique_ptr<SurfaceInverse> inverse(new SurfaceInverse);

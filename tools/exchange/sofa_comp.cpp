@@ -13,7 +13,7 @@ namespace souple {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t rows_at_once = 48;
+constexpr std::int64_t rows_at_once = 192;
 
 /// Hours of solves must not end at a full disk.
 Status check_room(const fs::path& file, std::int64_t row_count) {

@@ -66,9 +66,8 @@ Result<std::vector<std::vector<Index>>> select_regions(const std::vector<Complia
 }
 
 Result<ComplianceVariant> compute_variant(const ComplianceRequest& request, std::vector<Index> touched,
-                                          const Asset& asset, const ComplianceStage& stage,
-                                          ProgressSink& sink) {
-  const MeshLevel& finest = asset.levels.back();
+                                          const Asset& asset, PreparedBody& body,
+                                          const ComplianceStage& stage, ProgressSink& sink) {
   const auto fixed = std::ranges::find(asset.fixed_sets, request.fixed, &FixedSet::name);
   CompliancePrecomputeSettings settings;
   settings.memory_limit_bytes = stage.memory_limit_bytes;
@@ -76,8 +75,8 @@ Result<ComplianceVariant> compute_variant(const ComplianceRequest& request, std:
   settings.threads = stage.threads;
   settings.progress = [&sink](double done) { sink.fraction(done); };
   settings.cancelled = stage.cancelled;
-  return precompute_compliance(finest, asset.levels.size() > 1 ? &asset.levels.end()[-2] : nullptr,
-                               asset.material, fixed == asset.fixed_sets.end() ? nullptr : &*fixed,
+  return precompute_compliance(body, asset.levels.size() > 1 ? &asset.levels.end()[-2] : nullptr,
+                               fixed == asset.fixed_sets.end() ? nullptr : &*fixed,
                                options_of(request, std::move(touched)), settings);
 }
 
@@ -194,13 +193,14 @@ Status add_compliances(BakeOutcome& outcome, const Recipe& recipe, const Complia
   if (!regions) return regions.issue();
   Stages stages(sink, outcome.report.stages);
   Keeper keeper(stage, outcome.report);
+  PreparedBody body(asset.levels.back(), asset.material);
   for (std::size_t i = 0; i < recipe.compliances.size(); ++i) {
     const ComplianceRequest& request = recipe.compliances[i];
     const auto is_this = [&](const auto& variant) { return variant.header.name == request.name; };
     if (std::ranges::any_of(asset.compliances, is_this)) continue;
     keeper.keep_if_worth_it(asset);
     auto variant = stages.run("compliance " + request.name, [&] {
-      return compute_variant(request, std::move((*regions)[i]), asset, stage, sink);
+      return compute_variant(request, std::move((*regions)[i]), asset, body, stage, sink);
     });
     if (!variant) {
       if (variant.issue().code == IssueCode::interrupted) keeper.keep(asset);

@@ -14,48 +14,12 @@
 #include <random>
 
 #include "tests/support/allocation_count.hpp"
+#include "tests/support/random_records.hpp"
 
 namespace souple {
 namespace {
 
-struct Sample {
-  ComplianceHeader header;
-  HierarchicalIndex index;
-  std::vector<std::byte> payload;
-
-  using Opened = Result<std::unique_ptr<const RestCompliance>>;
-  Opened open() const {
-    return open_rest_compliance(header, index,
-                                std::make_unique<MemoryBlockSource>(payload, index.record_begin));
-  }
-};
-
-Sample make_sample(Index nodes, int depth, Index rank) {
-  Sample sample;
-  sample.header.representation = ComplianceRepresentation::hierarchical;
-  sample.header.node_count = nodes;
-  sample.header.shift = 0.25;
-  std::mt19937 random(7);
-  HierarchicalIndex& index = sample.index;
-  index.depth = depth;
-  index.order.resize(std::size_t(nodes));
-  std::iota(index.order.begin(), index.order.end(), Index{0});
-  std::ranges::shuffle(index.order, random);
-  index.scale.assign(std::size_t(nodes), {1.5F, 0.25F, 1, -0.5F, 0.125F, 2});
-  const std::size_t leaves = std::size_t{1} << depth;
-  index.leaf_planes.assign(leaves, 4);
-  index.rank.assign(leaves - 1, rank);
-  index.step.assign(leaves - 1, 1e-4F);
-  index.singular.assign((leaves - 1) * std::size_t(rank), 0.5F);
-  index.planes.assign(index.singular.size(), 4);
-  index.leaf_step.assign(leaves, 1e-5F);
-  index.record_begin = {0};
-  for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
-    for (int k = 0; k < 400; ++k) sample.payload.push_back(std::byte(random() % 256));
-    index.record_begin.push_back(std::int64_t(sample.payload.size()));
-  }
-  return sample;
-}
+using Sample = test::RandomRecords;
 
 Eigen::MatrixXd gather_all(const RestCompliance& compliance) {
   std::vector<Index> rows(std::size_t(compliance.row_count()));
@@ -67,7 +31,7 @@ Eigen::MatrixXd gather_all(const RestCompliance& compliance) {
 }
 
 TEST(HierarchicalCompliance, IsSymmetricToTheBit) {
-  const Sample sample = make_sample(93, 3, 11);
+  const Sample sample(93, 3, 11);
   const auto opened = sample.open();
   ASSERT_TRUE(opened.ok()) << opened.issue().what;
   const Eigen::MatrixXd c = gather_all(**opened);
@@ -76,7 +40,7 @@ TEST(HierarchicalCompliance, IsSymmetricToTheBit) {
 }
 
 TEST(HierarchicalCompliance, BitsOfABlockDependOnItsNodesAlone) {
-  const Sample sample = make_sample(93, 3, 11);
+  const Sample sample(93, 3, 11);
   const auto opened = sample.open();
   ASSERT_TRUE(opened.ok());
   const Eigen::MatrixXd c = gather_all(**opened);
@@ -97,7 +61,7 @@ TEST(HierarchicalCompliance, BitsOfABlockDependOnItsNodesAlone) {
 
 TEST(HierarchicalCompliance, AppliesLikeItsDenseMatrix) {
   for (const int depth : {0, 1, 4}) {
-    const Sample sample = make_sample(61, depth, 9);
+    const Sample sample(61, depth, 9);
     const auto opened = sample.open();
     ASSERT_TRUE(opened.ok());
     const Eigen::MatrixXd c = gather_all(**opened);
@@ -116,7 +80,7 @@ TEST(HierarchicalCompliance, AppliesLikeItsDenseMatrix) {
 }
 
 TEST(HierarchicalCompliance, AllocatesNothingOnceWarm) {
-  const Sample sample = make_sample(93, 3, 11);
+  const Sample sample(93, 3, 11);
   const auto opened = sample.open();
   ASSERT_TRUE(opened.ok());
   const std::vector<Index> rows{1, 5, 9, 60, 80};
@@ -151,7 +115,7 @@ class LateSource final : public BlockSource {
 };
 
 TEST(HierarchicalCompliance, NeedsOnlyTheRecordsOfTheRowsThatAreGathered) {
-  const Sample sample = make_sample(93, 3, 11);
+  const Sample sample(93, 3, 11);
   auto late = std::make_unique<LateSource>(sample.payload, sample.index.record_begin);
   LateSource& source = *late;
   const auto whole = sample.open();
@@ -172,7 +136,7 @@ TEST(HierarchicalCompliance, NeedsOnlyTheRecordsOfTheRowsThatAreGathered) {
 
 TEST(HierarchicalCompliance, RefusesHostileIndices) {
   const auto code_of = [](auto spoil) {
-    Sample sample = make_sample(93, 3, 11);
+    Sample sample(93, 3, 11);
     spoil(sample);
     const auto opened = sample.open();
     return opened ? IssueCode{} : opened.issue().code;
@@ -211,7 +175,7 @@ TEST(HierarchicalCompliance, RefusesHostileIndices) {
 }
 
 TEST(HierarchicalCompliance, RefusesIndicesThatWouldUnpackFewBytesIntoMuchMemory) {
-  Sample sample = make_sample(93, 3, 11);
+  Sample sample(93, 3, 11);
   HierarchicalIndex& index = sample.index;
   constexpr Index nodes = 100000, leaves = 512;
   sample.header.node_count = nodes;
@@ -233,7 +197,7 @@ TEST(HierarchicalCompliance, RefusesIndicesThatWouldUnpackFewBytesIntoMuchMemory
 }
 
 TEST(HierarchicalCompliance, SurvivesAnyBytes) {
-  Sample sample = make_sample(93, 3, 11);
+  Sample sample(93, 3, 11);
   std::mt19937 random(11);
   for (int trial = 0; trial < 200; ++trial) {
     for (std::byte& byte : sample.payload)

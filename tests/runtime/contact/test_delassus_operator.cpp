@@ -57,15 +57,16 @@ struct Fixture {
     }
   }
 
-  /// The operator with C0 stored in these slots.
+  /// The operator with C0 stored in these slots, blocks above the diagonal missing.
   template <class Scalar>
   Matrix delassus(const std::vector<Index>& slots, double factor) const {
     const std::size_t stride = 3 * nodes + 5;
     std::vector<Scalar> stored(3 * nodes * stride, Scalar(NAN));
     for (std::size_t a = 0; a < 3 * nodes; ++a)
       for (std::size_t b = 0; b < 3 * nodes; ++b)
-        stored[(3 * std::size_t(slots[a / 3]) + a % 3) * stride + 3 * std::size_t(slots[b / 3]) +
-               b % 3] = Scalar(c0(Eigen::Index(a), Eigen::Index(b)));
+        if (slots[b / 3] <= slots[a / 3])
+          stored[(3 * std::size_t(slots[a / 3]) + a % 3) * stride + 3 * std::size_t(slots[b / 3]) +
+                 b % 3] = Scalar(c0(Eigen::Index(a), Eigen::Index(b)));
     Matrix w = Matrix::Zero(3 * contacts, 3 * contacts);
     DelassusWork<Scalar> work;
     add_to_delassus<Scalar>({touches, frames, rotations}, {stored.data(), stride, slots}, factor,
@@ -86,9 +87,12 @@ TEST(DelassusOperator, EqualsTheExplicitTripleProductWithWarpedCompliance) {
   EXPECT_EQ((single - single.transpose()).norm(), 0);
 }
 
-TEST(DelassusOperator, DoesNotDependOnTheSlotsToTheBit) {
+TEST(DelassusOperator, DependsOnTheSlotsByRoundingOnly) {
   const Fixture f;
-  EXPECT_EQ(f.delassus<float>({0, 1, 2, 3, 4, 5, 6}, 1), f.delassus<float>({3, 6, 0, 5, 1, 2, 4}, 1));
+  const Matrix some = f.delassus<double>({0, 1, 2, 3, 4, 5, 6}, 1),
+               others = f.delassus<double>({3, 6, 0, 5, 1, 2, 4}, 1);
+  EXPECT_LT((some - others).norm() / some.norm(), 1e-13);
+  EXPECT_EQ(f.delassus<float>({3, 6, 0, 5, 1, 2, 4}, 1), f.delassus<float>({3, 6, 0, 5, 1, 2, 4}, 1));
 }
 
 TEST(DelassusOperator, AddsTheRigidPartLikeTheExplicitProduct) {

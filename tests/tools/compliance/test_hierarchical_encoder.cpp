@@ -19,6 +19,7 @@
 #include "tests/support/box_mesh.hpp"
 #include "tests/support/dense_compliance.hpp"
 #include "tests/tools/compliance/dense_source.hpp"
+#include "tools/compliance/hodlr_factor.hpp"
 #include "tools/compliance/range_encoder.hpp"
 
 namespace souple {
@@ -289,6 +290,103 @@ TEST(HierarchicalEncoder, StaysPositiveAtCoarseTolerances) {
       ASSERT_TRUE(encoded.ok());
       expect_positive(decode(*encoded), box().c);
     }
+}
+
+TEST(HierarchicalEncoder, IsShiftedOnlyWhereItWouldNotBePositive) {
+  const auto fine = encode(box(), options_of(1e-4, ErrorNorm::scaled_spectral));
+  ASSERT_TRUE(fine.ok());
+  EXPECT_EQ(fine->shift, 0);
+  expect_positive(decode(*fine), box().c);
+  // Nearly singular, by less of the diagonal blocks.
+  Body body = box();
+  const double least =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled_by_diagonal(body.c, body.c)).eigenvalues()[0];
+  for (Eigen::Index k = 0; k < body.c.rows(); k += 3)
+    body.c.block<3, 3>(k, k) -= 0.999 * least * box().c.block<3, 3>(k, k);
+  auto coarse = encode(body, options_of(0.3, ErrorNorm::scaled_spectral));
+  ASSERT_TRUE(coarse.ok());
+  EXPECT_GT(coarse->shift, 0);
+  expect_positive(decode(*coarse), body.c);
+  coarse->shift = 0;
+  EXPECT_NE(scaled_by_diagonal(decode(*coarse), body.c).llt().info(), Eigen::Success);
+}
+
+TEST(HierarchicalEncoder, StopsWhenItIsCancelled) {
+  const DenseSource source(box().c);
+  EncodeOptions options = options_of(1e-3, ErrorNorm::frobenius);
+  const auto hodlr = compress_dense(source, box().positions, options);
+  ASSERT_TRUE(hodlr.ok());
+  int asked = 0;
+  options.cancelled = [&] { return ++asked > 1; };
+  const auto compressed = compress_dense(source, box().positions, options);
+  ASSERT_FALSE(compressed.ok());
+  EXPECT_EQ(compressed.issue().code, IssueCode::interrupted);
+  options.cancelled = [] { return true; };
+  const auto encoded =
+      encode_hierarchical(*hodlr, static_cast<const SymmetricSource&>(source), options);
+  ASSERT_FALSE(encoded.ok());
+  EXPECT_EQ(encoded.issue().code, IssueCode::interrupted);
+}
+
+/// A symmetric matrix in HODLR form of about 4 levels: identity plus smooth low-rank blocks.
+ScaledHodlr smooth_hodlr(Index nodes, int depth, double size) {
+  ScaledHodlr matrix;
+  matrix.node_count = nodes;
+  matrix.depth = depth;
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  const auto filled = [&](Index count, Eigen::Index columns) {
+    MatrixXd m(3 * Eigen::Index{count}, columns);
+    for (double& value : m.reshaped()) value = size * normal(random) / std::sqrt(double(m.rows()));
+    return m;
+  };
+  for (int d = 0; d < depth; ++d)
+    for (Index i = 0; i < (Index{1} << d); ++i)
+      matrix.blocks.push_back({filled(cluster_range(nodes, d + 1, 2 * i).size(), d == 1 ? 0 : 5),
+                               filled(cluster_range(nodes, d + 1, 2 * i + 1).size(), d == 1 ? 0 : 5)});
+  for (Index leaf = 0; leaf < (Index{1} << depth); ++leaf) {
+    const Eigen::Index rows = 3 * Eigen::Index{cluster_range(nodes, depth, leaf).size()};
+    matrix.leaves.push_back(MatrixXd::Identity(rows, rows));
+  }
+  return matrix;
+}
+
+MatrixXd dense_of(const ScaledHodlr& matrix) {
+  const Eigen::Index rows = 3 * Eigen::Index{matrix.node_count};
+  MatrixXd dense = MatrixXd::Zero(rows, rows);
+  matrix.add_product(1, MatrixXd::Identity(rows, rows), dense);
+  return dense;
+}
+
+TEST(HodlrFactor, SolvesLikeTheDenseMatrix) {
+  WorkerPool pool(2);
+  for (const int depth : {0, 1, 4}) {
+    const ScaledHodlr matrix = smooth_hodlr(75, depth, 0.5);
+    const auto factor = HodlrFactor::create(matrix, 0.25, pool);
+    ASSERT_TRUE(factor.has_value());
+    const MatrixXd dense = dense_of(matrix) + 0.25 * MatrixXd::Identity(225, 225);
+    const MatrixXd expected = MatrixXd::Random(225, 3);
+    MatrixXd x = dense * expected;
+    factor->solve(x);
+    EXPECT_LT((x - expected).norm(), 1e-12 * expected.norm());
+  }
+}
+
+TEST(HodlrFactor, FindsTheShiftThatMakesAMatrixPositive) {
+  WorkerPool pool(2);
+  for (const double size : {0.5, 1.5, 3.0, 20.0}) {
+    const ScaledHodlr matrix = smooth_hodlr(75, 4, size);
+    const double least = Eigen::SelfAdjointEigenSolver<MatrixXd>(dense_of(matrix)).eigenvalues()[0];
+    const double needed = std::max(0.0, -least), resolution = 0.01;
+    EXPECT_EQ(HodlrFactor::create(matrix, 0, pool).has_value(), least > 0);
+    const double shift = least_positive_shift(matrix, resolution, pool);
+    EXPECT_GE(shift, needed);
+    EXPECT_LE(shift, needed + 3 * resolution) << size;
+    if (needed > 0) {
+      EXPECT_FALSE(HodlrFactor::create(matrix, needed * (1 - 1e-9), pool).has_value());
+      EXPECT_TRUE(HodlrFactor::create(matrix, needed * (1 + 1e-9), pool).has_value());
+    }
+  }
 }
 
 TEST(HierarchicalEncoder, TakesTinyBodies) {
