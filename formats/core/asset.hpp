@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// The logical content of an asset file (`*.souple`), version 1.2, as plain structs.
+// The logical content of an asset file (`*.souple`), version 1.3, as plain structs.
 #pragma once
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -12,7 +13,7 @@
 namespace souple {
 
 inline constexpr int asset_version_major = 1;
-inline constexpr int asset_version_minor = 2;
+inline constexpr int asset_version_minor = 3;
 
 /// Where a point sits in a tet mesh: x = sum_k weights[k] x_k over the four nodes of `tet`. The weights
 /// sum to 1; outside the tet some are negative (linear extrapolation), so affine motions are exact.
@@ -141,6 +142,31 @@ struct ComplianceVariant {
   std::vector<std::byte> payload;
 };
 
+/// How the matrix A of a level gets to the level below it, P^T A P: `multigrid/<l>`, l the finer one.
+/// New in 1.3. What the levels say, prepared for a simulation that then needs neither their ties nor
+/// their meshes; of the body without fixed nodes.
+struct LevelTransition {
+  /// P by node of the finer level: scalar weights, times the 3x3 identity for motions.
+  std::vector<Index> row_begin;  ///< [m + 1]
+  std::vector<Index> column;     ///< node of the coarser level, ascending in a row, 1 to 4 of them
+  std::vector<double> weight;    ///< they sum to 1
+  /// Where the 3x3 blocks of the coarse matrix stand, both halves, columns ascending in a row.
+  std::vector<Index> pattern_begin;   ///< [n + 1]
+  std::vector<Index> pattern_column;  ///< node of the coarser level
+
+  static constexpr std::size_t width = 4;  ///< of a row of P, filled up with its first column, weight 0
+  /// The plan of the product, piece by piece: {row i of A, position of its first block, number of
+  /// blocks, number of slots}. Blocks are those on and right of the diagonal, on the pattern of the
+  /// finer level: of its mesh if it is the finest, else of the transition above. Rows ascend.
+  std::vector<std::array<Index, 4>> pieces;
+  /// Of every block (i, j) and weight of row j of P: the slot of the piece that it is added to.
+  std::vector<std::array<std::uint8_t, width>> slots;
+  /// Of every slot and weight of row i of P: position of the coarse block that it is added to.
+  std::vector<std::array<Index, width>> targets;
+
+  bool operator==(const LevelTransition&) const = default;
+};
+
 struct Provenance {
   std::string generator;   ///< "souple 0.1.0"
   std::string recipe;      ///< effective recipe, TOML text
@@ -149,8 +175,9 @@ struct Provenance {
 };
 
 struct Asset {
-  std::vector<MeshLevel> levels;  ///< at least one; the last is the one that is simulated
-  VisualMesh visual;              ///< may be empty
+  std::vector<MeshLevel> levels;           ///< at least one; the last is the one that is simulated
+  std::vector<LevelTransition> multigrid;  ///< empty, or [l - 1] from level l to level l - 1
+  VisualMesh visual;                       ///< may be empty
   Material material;
   std::vector<FixedSet> fixed_sets;
   std::vector<ComplianceVariant> compliances;

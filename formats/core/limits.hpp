@@ -19,6 +19,7 @@ inline constexpr std::int64_t tile_nodes = 1024;
 inline constexpr std::uint64_t nodes = std::uint64_t{1} << 30;  ///< of one level
 inline constexpr std::uint64_t tets = std::uint64_t{1} << 29;   ///< of one level
 inline constexpr std::uint64_t triangles = 4 * tets;  ///< of a boundary, or of the visual surface
+inline constexpr std::uint64_t plan_rows = std::uint64_t{1} << 31;      ///< of a list of a product plan
 inline constexpr std::uint64_t payload_bytes = std::uint64_t{1} << 40;  ///< of one variant
 
 }  // namespace souple::limits

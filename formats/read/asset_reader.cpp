@@ -102,6 +102,7 @@ struct AssetReader::State {
   int version_minor = 0;
   std::string content_hash;
   std::size_t level_count = 0;
+  bool has_multigrid = false;
   bool has_visual = false;
   std::vector<std::string> fixed_sets;
   std::vector<std::string> compliances;
@@ -199,6 +200,9 @@ Status AssetReader::State::read_contents() {
   const Result<std::size_t> count = count_levels(*top);
   if (!count) return count.issue();
   level_count = *count;
+  const Result<bool> multigrid = top->has(layout::multigrid);
+  if (!multigrid) return multigrid.issue();
+  has_multigrid = *multigrid;
   const Result<GroupReader> mesh = top->group(layout::mesh);
   const Result<bool> visual = mesh ? mesh->has(layout::visual) : Result<bool>(mesh.issue());
   if (!visual) return visual.issue();
@@ -254,6 +258,7 @@ int AssetReader::version_major() const { return state_->version_major; }
 int AssetReader::version_minor() const { return state_->version_minor; }
 const std::string& AssetReader::content_hash() const { return state_->content_hash; }
 std::size_t AssetReader::level_count() const { return state_->level_count; }
+bool AssetReader::has_multigrid() const { return state_->has_multigrid; }
 bool AssetReader::has_visual() const { return state_->has_visual; }
 const std::vector<std::string>& AssetReader::fixed_set_names() const { return state_->fixed_sets; }
 const std::vector<std::string>& AssetReader::compliance_names() const { return state_->compliances; }
@@ -312,6 +317,21 @@ Result<LevelSizes> AssetReader::read_level_sizes(std::size_t level) {
     sizes.has_embedding = ties->embedding;
     sizes.rigid_motion_error = ties->rigid_motion_error;
     return sizes;
+  });
+}
+
+Result<LevelTransition> AssetReader::read_transition(std::size_t level) {
+  return guarded([&]() -> Result<LevelTransition> {
+    if (level == 0 || level >= state_->level_count)
+      return make_issue(IssueCode::asset_missing_part,
+                        "nothing leads down from level " + std::to_string(level), state_->where);
+    const Result<GroupReader> group = state_->open({layout::multigrid, std::to_string(level)});
+    if (!group) return group.issue();
+    const Result<storage::MeshCounts> fine = state_->counts(level);
+    if (!fine) return fine.issue();
+    const Result<storage::MeshCounts> coarse = state_->counts(level - 1);
+    if (!coarse) return coarse.issue();
+    return storage::read_transition(*group, *fine, *coarse);
   });
 }
 
@@ -409,6 +429,8 @@ Result<std::vector<GroupCost>> AssetReader::group_costs() {
     for (std::size_t l = 0; l < state_->level_count; ++l)
       paths.push_back({layout::mesh, layout::levels, std::to_string(l)});
     if (state_->has_visual) paths.push_back({layout::mesh, layout::visual});
+    for (std::size_t l = 1; state_->has_multigrid && l < state_->level_count; ++l)
+      paths.push_back({layout::multigrid, std::to_string(l)});
     const Result<bool> has_material = top->has(layout::material);
     if (has_material && *has_material) paths.push_back({layout::material});
     for (const std::string& name : state_->fixed_sets) paths.push_back({layout::constraints, name});
@@ -430,6 +452,11 @@ Result<Asset> read_asset(AssetReader& reader) {
       Result<MeshLevel> level = reader.read_level(l);
       if (!level) return level.issue();
       asset.levels.push_back(std::move(level).value());
+    }
+    for (std::size_t l = 1; reader.has_multigrid() && l < reader.level_count(); ++l) {
+      Result<LevelTransition> transition = reader.read_transition(l);
+      if (!transition) return transition.issue();
+      asset.multigrid.push_back(std::move(transition).value());
     }
     if (reader.has_visual()) {
       Result<VisualMesh> visual = reader.read_visual();

@@ -77,6 +77,9 @@ class AssetReader {
   /// The level without parents, embedding and errors: what a simulation needs, and no more is read.
   Result<MeshLevel> read_level_mesh(std::size_t level);
   Result<LevelSizes> read_level_sizes(std::size_t level);  ///< headers only, no bulk data
+  bool has_multigrid() const;
+  /// From level `level`, 1 and up, to the one below it. asset_missing_part without one.
+  Result<LevelTransition> read_transition(std::size_t level);
   bool has_visual() const;
   Result<VisualMesh> read_visual();         ///< asset_missing_part without one
   Result<VisualSizes> read_visual_sizes();  ///< headers only; zeros without one

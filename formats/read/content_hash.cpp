@@ -137,6 +137,23 @@ void add_parts_of_1_2(ContentHasher& hasher, const std::vector<const ComplianceV
   }
 }
 
+/// The same for version 1.3.
+void add_parts_of_1_3(ContentHasher& hasher, const Asset& asset) {
+  for (std::size_t l = 0; l < asset.multigrid.size(); ++l) {
+    const LevelTransition& transition = asset.multigrid[l];
+    hasher.add(std::string_view("multigrid"));
+    hasher.add(static_cast<std::uint64_t>(l + 1));
+    hasher.add(transition.row_begin);
+    hasher.add(transition.column);
+    hasher.add(transition.weight);
+    hasher.add(transition.pattern_begin);
+    hasher.add(transition.pattern_column);
+    hasher.add(transition.pieces);
+    hasher.add(transition.slots);
+    hasher.add(transition.targets);
+  }
+}
+
 void add_material(ContentHasher& hasher, const Material& material) {
   hasher.add(static_cast<std::uint64_t>(material.regions.size()));
   for (const MaterialRegion& region : material.regions) {
@@ -196,6 +213,7 @@ std::string content_hash(const Asset& asset) {
   }
   add_parts_of_1_1(hasher, asset);
   add_parts_of_1_2(hasher, variants);
+  add_parts_of_1_3(hasher, asset);
   return hasher.hex();
 }
 

@@ -49,6 +49,19 @@ bool check_levels(const Asset& asset, IssueList& issues) {
   return coarse_ok;
 }
 
+void check_multigrid(const Asset& asset, IssueList& issues) {
+  if (asset.multigrid.empty()) return;
+  if (asset.multigrid.size() + 1 != asset.levels.size())
+    return issues.add(IssueCode::asset_multigrid_invalid, "multigrid", [&] {
+      return std::to_string(asset.multigrid.size()) + " transitions between " +
+             std::to_string(asset.levels.size()) + " levels";
+    });
+  for (std::size_t l = 1; l < asset.levels.size(); ++l)
+    checks::check_transition(asset.multigrid[l - 1], asset.levels[l].mesh.nodes.size(),
+                             asset.levels[l - 1].mesh.nodes.size(), "multigrid/" + std::to_string(l),
+                             issues);
+}
+
 void check_visual(const Asset& asset, bool finest_ok, IssueList& issues) {
   const TetMesh& finest = asset.levels.back().mesh;
   const std::size_t before = issues.count();
@@ -61,6 +74,7 @@ void check_content(const Asset& asset, IssueList& issues) {
   checks::check_names(asset, issues);
   const bool finest_ok = check_levels(asset, issues);
   if (asset.levels.empty()) return;
+  check_multigrid(asset, issues);
   check_visual(asset, finest_ok, issues);
   const TetMesh& finest = asset.levels.back().mesh;
   checks::check_material(asset.material, finest.tets.size(), "material", issues);
@@ -87,6 +101,8 @@ Asset read_parts(AssetReader& reader, IssueList& issues) {
   Asset asset;
   for (std::size_t l = 0; l < reader.level_count(); ++l)
     take(reader.read_level(l), asset.levels, issues);
+  for (std::size_t l = 1; reader.has_multigrid() && l < reader.level_count(); ++l)
+    take(reader.read_transition(l), asset.multigrid, issues);
   if (reader.has_visual()) {
     if (Result<VisualMesh> visual = reader.read_visual(); visual)
       asset.visual = std::move(visual).value();

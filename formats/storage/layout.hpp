@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Names in the file, in one place for reader and writer. Version 1.2.
+// Names in the file, in one place for reader and writer. Version 1.3.
 #pragma once
 #include <array>
 #include <cstddef>
@@ -34,6 +34,17 @@ inline constexpr const char* embedding_tets = "embedding_tets";             // [
 inline constexpr const char* embedding_weights = "embedding_weights";       // [m, 4] float64
 inline constexpr const char* parents_error = "rigid_motion_error_parents";  // attributes, may be absent
 inline constexpr const char* embedding_error = "rigid_motion_error_embedding";
+
+// multigrid/<l>, optional, new in 1.3: LevelTransition from level l, 1 and up, to level l - 1
+inline constexpr const char* multigrid = "multigrid";
+inline constexpr const char* row_begin = "prolongation_begin";   // [m + 1] int32
+inline constexpr const char* column = "prolongation_column";     // [entries] int32
+inline constexpr const char* weight = "prolongation_weight";     // [entries] float64
+inline constexpr const char* pattern_begin = "pattern_begin";    // [n + 1] int32
+inline constexpr const char* pattern_column = "pattern_column";  // [blocks] int32
+inline constexpr const char* plan_pieces = "plan_pieces";        // [pieces, 4] int32
+inline constexpr const char* plan_slots = "plan_slots";          // [fine blocks, 4] uint8
+inline constexpr const char* plan_targets = "plan_targets";      // [slots, 4] int32
 
 // mesh/visual, optional, new in 1.1: triangles [t, 3] int32 and an embedding in the finest level
 inline constexpr const char* visual = "visual";

@@ -29,6 +29,10 @@ RowType row_type(const std::array<Index, N>*) {
   return {H5T_STD_I32LE, 4, N};
 }
 template <std::size_t N>
+RowType row_type(const std::array<std::uint8_t, N>*) {
+  return {H5T_STD_U8LE, 1, N};
+}
+template <std::size_t N>
 RowType row_type(const std::array<float, N>*) {
   return {H5T_IEEE_F32LE, 4, N};
 }

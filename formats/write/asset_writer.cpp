@@ -72,6 +72,23 @@ void write_mesh(const GroupWriter& root, const Asset& asset) {
   write_embedding(visual, asset.visual.embedding);
 }
 
+void write_multigrid(const GroupWriter& root, const Asset& asset) {
+  if (asset.multigrid.empty()) return;
+  const GroupWriter parent = root.group(layout::multigrid);
+  for (std::size_t l = 0; l < asset.multigrid.size(); ++l) {
+    const LevelTransition& transition = asset.multigrid[l];
+    const GroupWriter group = parent.group(std::to_string(l + 1));
+    group.rows(layout::row_begin, transition.row_begin);
+    group.rows(layout::column, transition.column);
+    group.rows(layout::weight, transition.weight);
+    group.rows(layout::pattern_begin, transition.pattern_begin);
+    group.rows(layout::pattern_column, transition.pattern_column);
+    group.rows(layout::plan_pieces, transition.pieces);
+    group.rows(layout::plan_slots, transition.slots);
+    group.rows(layout::plan_targets, transition.targets);
+  }
+}
+
 void write_material(const GroupWriter& root, const Material& material) {
   const GroupWriter group = root.group(layout::material);
   group.real(layout::rayleigh_mass, material.rayleigh_mass_per_s);
@@ -170,6 +187,7 @@ std::vector<const Part*> by_name(const std::vector<Part>& parts, const Name& nam
 void write_groups(const GroupWriter& root, const Asset& asset) {
   write_root(root, asset);
   write_mesh(root, asset);
+  write_multigrid(root, asset);
   write_material(root, asset.material);
   if (!asset.fixed_sets.empty()) {
     const GroupWriter parent = root.group(layout::constraints);

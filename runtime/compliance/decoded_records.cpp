@@ -10,7 +10,7 @@
 namespace souple {
 namespace {
 
-std::size_t padded(int rows) { return (std::size_t(rows) + lane_count - 1) / lane_count * lane_count; }
+std::size_t padded(int rows) { return (std::size_t(rows) + product_lane_count - 1) / product_lane_count * product_lane_count; }
 
 // Integers of three bytes are kept as four.
 std::size_t bytes_of(std::uint8_t planes) { return planes <= 2 ? planes : 4; }

@@ -72,7 +72,7 @@ void add_projection(const Number* factor, std::size_t rows, std::size_t terms, c
                     float* sums) {
   for (std::size_t k = 0; k < terms; ++k, factor += rows) {
     __m256 sum = _mm256_setzero_ps();
-    for (std::size_t i = 0; i < rows; i += lane_count)
+    for (std::size_t i = 0; i < rows; i += product_lane_count)
       sum = _mm256_fmadd_ps(eight(factor + i), _mm256_loadu_ps(x + i), sum);
     sums[k] += sum_of_lanes(sum);
   }
@@ -85,13 +85,13 @@ template <std::size_t count, class Number>
 void add_stripe(const Number* factor, std::size_t rows, std::size_t terms, const float* sums,
                 float* y) {
   __m256 v[count];
-  for (std::size_t r = 0; r < count; ++r) v[r] = _mm256_loadu_ps(y + lane_count * r);
+  for (std::size_t r = 0; r < count; ++r) v[r] = _mm256_loadu_ps(y + product_lane_count * r);
   for (std::size_t k = 0; k < terms; ++k, factor += rows) {
     const __m256 s = _mm256_set1_ps(sums[k]);
     for (std::size_t r = 0; r < count; ++r)
-      v[r] = _mm256_fmadd_ps(eight(factor + lane_count * r), s, v[r]);
+      v[r] = _mm256_fmadd_ps(eight(factor + product_lane_count * r), s, v[r]);
   }
-  for (std::size_t r = 0; r < count; ++r) _mm256_storeu_ps(y + lane_count * r, v[r]);
+  for (std::size_t r = 0; r < count; ++r) _mm256_storeu_ps(y + product_lane_count * r, v[r]);
 }
 
 // add_stripe<count>.
@@ -109,12 +109,12 @@ template <class Number>
 void add_combination(const Number* factor, std::size_t rows, std::size_t terms, const float* sums,
                      float* y) {
   constexpr std::size_t most = 12;
-  const std::size_t count = rows / lane_count;
+  const std::size_t count = rows / product_lane_count;
   const std::size_t stripes = (count + most - 1) / most;
   for (std::size_t stripe = 0; stripe < stripes; ++stripe) {
     const std::size_t first = stripe * count / stripes, last = (stripe + 1) * count / stripes;
-    add_stripe_of<Number>(last - first, factor + lane_count * first, rows, terms, sums,
-                          y + lane_count * first);
+    add_stripe_of<Number>(last - first, factor + product_lane_count * first, rows, terms, sums,
+                          y + product_lane_count * first);
   }
 }
 
@@ -132,9 +132,9 @@ template <class Number>
 void add_projection(const Number* factor, std::size_t rows, std::size_t terms, const float* x,
                     float* sums) {
   for (std::size_t k = 0; k < terms; ++k, factor += rows) {
-    float lanes[lane_count] = {};
+    float lanes[product_lane_count] = {};
     for (std::size_t i = 0; i < rows; ++i)
-      lanes[i % lane_count] = std::fma(float(factor[i]), x[i], lanes[i % lane_count]);
+      lanes[i % product_lane_count] = std::fma(float(factor[i]), x[i], lanes[i % product_lane_count]);
     float half[4];
     for (std::size_t r = 0; r < 4; ++r) half[r] = lanes[r] + lanes[r + 4];
     sums[k] += (half[0] + half[2]) + (half[1] + half[3]);

@@ -10,7 +10,7 @@ namespace souple {
 
 inline constexpr std::size_t tile_rows = 6, tile_columns = 16;
 /// Rows of a leaf are padded to this.
-inline constexpr std::size_t lane_count = 8;
+inline constexpr std::size_t product_lane_count = 8;
 
 /// tile (6 x 16, row-major) = sum over k < terms of a[6 k + i] b[16 k + j].
 void multiply_tile(const float* a, const float* b, std::size_t terms, float* tile);

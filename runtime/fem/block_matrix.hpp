@@ -24,20 +24,28 @@ struct BlockPattern {
 BlockPattern build_block_pattern(Index node_count, const std::vector<Tet>& tets);
 
 /// Values on a pattern: block b is row-major at values[9 b]. Both triangles are stored.
-struct BlockMatrix {
+template <class Scalar>
+struct BasicBlockMatrix {
   const BlockPattern* pattern = nullptr;
-  std::vector<double> values;
+  std::vector<Scalar> values;
 
-  explicit BlockMatrix(const BlockPattern& p) : pattern(&p), values(9 * p.block_count()) {}
+  explicit BasicBlockMatrix(const BlockPattern& p) : pattern(&p), values(9 * p.block_count()) {}
 
-  using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  using Block = Eigen::Matrix<Scalar, 3, 3, Eigen::RowMajor>;
   auto block(Index position) { return Eigen::Map<Block>(values.data() + 9 * std::size_t(position)); }
   auto block(Index position) const {
     return Eigen::Map<const Block>(values.data() + 9 * std::size_t(position));
   }
 };
 
-/// y = A x, x and y of length 3n.
+using BlockMatrix = BasicBlockMatrix<double>;
+using BlockMatrixF = BasicBlockMatrix<float>;
+
+/// y = A x, x and y of length 3n. Where a block is not finite, neither is what its row gives.
 void multiply(const BlockMatrix& a, const Eigen::VectorXd& x, Eigen::VectorXd& y);
+void multiply(const BlockMatrixF& a, const Eigen::VectorXf& x, Eigen::VectorXf& y);
+/// Some rows of it only. Rows are independent and give the same bits in any range.
+void multiply_rows(const BlockMatrix& a, const double* x, IndexRange rows, double* y);
+void multiply_rows(const BlockMatrixF& a, const float* x, IndexRange rows, float* y);
 
 }  // namespace souple

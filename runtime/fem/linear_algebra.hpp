@@ -18,6 +18,11 @@ inline Eigen::Map<const Vec3> as_vec3(const Point& p) { return Eigen::Map<const 
 inline Eigen::Map<Vec3> as_vec3(Point& p) { return Eigen::Map<Vec3>(p.data()); }
 inline Point as_point(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 
+/// Half-open range of rows, nodes or packs: what one job of an application does.
+struct IndexRange {
+  Index begin = 0, end = 0;
+};
+
 /// Entries of node `node` in a node-major xyz vector of length 3n.
 inline auto node_entry(Eigen::VectorXd& v, Index node) { return v.segment<3>(3 * Eigen::Index{node}); }
 inline auto node_entry(const Eigen::VectorXd& v, Index node) {

@@ -46,6 +46,19 @@ Status check_names(const AssetReader& reader, const std::vector<std::string>& na
   return {};
 }
 
+Status load_multigrid(AssetReader& reader, SoftBodyContent& content) {
+  if (!reader.has_multigrid()) return {};
+  for (std::size_t l = 1; l < reader.level_count(); ++l) {
+    auto transition = reader.read_transition(l);
+    if (!transition) return transition.issue();
+    content.multigrid.push_back(std::move(*transition));
+  }
+  auto coarsest = reader.read_level_mesh(0);
+  if (!coarsest) return coarsest.issue();
+  content.coarsest_nodes = std::move(coarsest->mesh.nodes);
+  return {};
+}
+
 /// `load_one` reads one compliance.
 Loaded load(AssetReader& reader, const LoadOptions& options, const LoadVariant& load_one) {
   if (auto status = check_names(reader, options.compliances); !status) return status.issue();
@@ -59,6 +72,8 @@ Loaded load(AssetReader& reader, const LoadOptions& options, const LoadVariant& 
     if (!visual) return visual.issue();
     content.visual = std::move(*visual);
   }
+  if (options.multigrid)
+    if (auto status = load_multigrid(reader, content); !status) return status.issue();
   auto material = reader.read_material();
   if (!material) return material.issue();
   content.material = std::move(*material);

@@ -19,6 +19,7 @@ struct LoadOptions {
   std::vector<std::string> compliances{};
   bool no_compliances = false;  ///< load none, for the exact contact method
   bool visual = false;          ///< load the visual surface too, if the asset has one
+  bool multigrid = false;       ///< load what multigrid solvers need of the levels, if the asset has it
   /// Of hierarchical compliances, read the index alone; a thread of each fetches the records of the
   /// nodes that come into contact. Until they are there, `ready` of the compliance is false and asks
   /// for them; call it with the nodes of a place where contact is to be expected. Dense compliances are

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/world/checks.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <initializer_list>
+
+#include "runtime/world/explicit_limit.hpp"
+#include "runtime/world/integrator.hpp"
+#include "runtime/world/rigid_path.hpp"
 
 namespace souple {
 namespace {
@@ -23,12 +28,18 @@ bool within(const Point& p, double limit) {
 
 bool in_range(double value, double low, double high) { return value >= low && value <= high; }
 
-Status check_pose(const Pose& pose, const std::string& where) {
-  double norm2 = 0;
-  for (const double c : pose.rotation) norm2 += c * c;
-  if (!(std::abs(norm2 - 1) < 1e-3)) return refuse("the rotation is not a unit quaternion", where);
-  if (!within(pose.translation, largest_length)) return refuse("the position is out of range", where);
-  return {};
+// The system that a world asks a compliance for.
+std::string describe(const WorldSettings& settings) {
+  const std::string h = std::to_string(settings.time_step_s) + " s";
+  switch (settings.integrator) {
+    case Integrator::bdf2:
+      return "BDF2 with time step " + h +
+             " (implicit Euler: " + std::to_string(euler_step_of_bdf2(settings.time_step_s)) + " s)";
+    case Integrator::quasi_static:
+      return "a quasi-static body";
+    default:
+      return "time step " + h;
+  }
 }
 
 }  // namespace
@@ -37,6 +48,10 @@ Status check_settings(const WorldSettings& s) {
   if (!in_range(s.time_step_s, 1e-7, 10))
     return refuse("time step " + std::to_string(s.time_step_s) + " s is outside [1e-7, 10]",
                   "time_step_s");
+  if (s.integrator == Integrator::explicit_euler && s.contact_method != ContactMethod::exact)
+    return make_issue(IssueCode::world_parameter_invalid,
+                      "no compliance can be stored for the explicit integrator", "contact_method",
+                      "Use the exact contact method: it costs nothing here, A is diagonal.");
   if (!within(s.gravity_m_s2, largest_rate)) return refuse("gravity is out of range", "gravity");
   if (!in_range(s.friction, 0, largest_friction))
     return refuse("friction " + std::to_string(s.friction) + " is outside [0, 10]", "friction");
@@ -52,19 +67,16 @@ Status check_settings(const WorldSettings& s) {
 }
 
 Status check_soft_body(const SoftBodyDescription& d) {
-  if (auto status = check_pose(d.pose, d.name); !status) return status;
+  if (auto status = check_pose(d.pose, IssueCode::world_parameter_invalid, d.name); !status)
+    return status;
   if (!within(d.velocity_m_s, largest_rate) || !within(d.angular_velocity_rad_s, largest_rate))
     return refuse("a velocity is out of range", d.name);
   return {};
 }
 
 Status check_rigid_body(const RigidBodyDescription& d) {
-  if (d.path.empty()) return refuse("a rigid body needs at least one pose", d.name);
-  for (std::size_t k = 0; k < d.path.size(); ++k) {
-    if (auto status = check_pose(d.path[k].pose, d.name); !status) return status;
-    if (!std::isfinite(d.path[k].time_s) || (k > 0 && !(d.path[k].time_s > d.path[k - 1].time_s)))
-      return refuse("the times of the path do not ascend", d.name);
-  }
+  if (auto status = check_path(d.path, IssueCode::world_parameter_invalid, d.name); !status)
+    return status;
   if (d.shape.kind == RigidShapeKind::sphere && !in_range(d.shape.radius_m, 1e-9, largest_length))
     return refuse("the radius is out of range", d.name);
   if (d.shape.kind == RigidShapeKind::box)
@@ -86,35 +98,82 @@ Status hold_fixed_set(SoftBody& body, const std::string& fixed_set) {
   return {};
 }
 
+Status drive_nodes(SoftBody& body, const SoftBodyDescription& description) {
+  auto parts = find_driven_nodes(description, *body.asset, body.is_fixed);
+  if (!parts) return parts.issue();
+  body.drive(std::move(*parts));
+  return {};
+}
+
+namespace {
+
+// Whether the fixed nodes stop every rigid motion: three of them that are not on one line.
+bool is_held(const SoftBody& body) {
+  Mat3 spread = Mat3::Zero();
+  Vec3 mean = Vec3::Zero();
+  double count = 0;
+  const auto rest = body.asset->model().rest_positions();
+  const auto for_fixed = [&](auto&& visit) {
+    for (std::size_t node = 0; node < rest.size(); ++node)
+      if (body.is_fixed[node]) visit(Vec3(as_vec3(rest[node])));
+  };
+  for_fixed([&](const Vec3& p) { mean += p, ++count; });
+  if (count < 3) return false;
+  mean /= count;
+  for_fixed([&](const Vec3& p) { spread += (p - mean) * (p - mean).transpose(); });
+  const Vec3 extents = Eigen::SelfAdjointEigenSolver<Mat3>(spread).eigenvalues();
+  constexpr double thinnest = 1e-6;  // of a line's width over its length, squared below
+  return extents[1] > thinnest * thinnest * extents[2];
+}
+
+}  // namespace
+
+Status prepare_integrator(SoftBody& body, const WorldSettings& settings) {
+  if (settings.integrator == Integrator::bdf2)
+    for (auto* vector :
+         {&body.history.motion, &body.history.velocity, &body.history.free_motion, &body.history.load})
+      vector->setZero(body.x.size());
+  if (settings.integrator == Integrator::quasi_static && !is_held(body))
+    return make_issue(IssueCode::static_body_not_held,
+                      "fewer than three of its nodes, or only nodes on a line, are fixed", body.name);
+  if (settings.integrator != Integrator::explicit_euler) return {};
+  const double limit = explicit_step_limit(body.asset->model());
+  if (settings.time_step_s < limit) return {};
+  return make_issue(IssueCode::explicit_step_too_long,
+                    "the step of " + std::to_string(settings.time_step_s) +
+                        " s is not below the limit of " + std::to_string(limit) + " s",
+                    body.name);
+}
+
 Status prepare_contact_method(SoftBody& body, const WorldSettings& settings,
                               const std::string& fixed_set) {
   const CorotationalModel& model = body.asset->model();
   const double h = settings.time_step_s;
   if (settings.contact_method == ContactMethod::exact) {
     body.factor.emplace();
-    body.factor->analyze(&model.pattern(), body.free_nodes);
+    body.factor->analyze(model.pattern(), model.rest_positions(), body.free_nodes);
     body.work.setZero(2 * body.factor->size());
     return {};
   }
-  const double mass_factor = 1 / (h * h) + model.rayleigh_mass_per_s() / h;
-  const double stiffness_factor = 1 + model.rayleigh_stiffness_s() / h;
-  body.compliance = body.asset->find_compliance(mass_factor, stiffness_factor, fixed_set);
+  const SystemFactors factors =
+      system_factors(settings.integrator, h, model.rayleigh_mass_per_s(), model.rayleigh_stiffness_s());
+  body.compliance = body.asset->find_compliance(factors.mass, factors.stiffness, fixed_set);
   if (!body.compliance) {
     std::string held;
     for (const auto& c : body.asset->compliances())
       held += (held.empty() ? "" : ", ") + c.header.name + " (time step " +
               std::to_string(c.header.time_step_s) + " s, fixed \"" + c.header.fixed_set + "\")";
     return make_issue(IssueCode::scene_no_matching_compliance,
-                      "no compliance for time step " + std::to_string(h) + " s and fixed set \"" +
-                          fixed_set + "\"; the asset holds " + (held.empty() ? "none" : held),
+                      "no compliance for " + describe(settings) + " and fixed set \"" + fixed_set +
+                          "\"; the asset holds " + (held.empty() ? "none" : held),
                       body.name);
   }
-  body.compliance_scale = body.compliance->header.stiffness_factor / stiffness_factor;
+  body.compliance_scale = body.compliance->header.stiffness_factor / factors.stiffness;
   body.extension_work.resize(body.compliance->extension.work_size());
   return {};
 }
 
-void place_soft_body(SoftBody& body, const SoftBodyDescription& d) {
+void place_soft_body(SoftBody& body, const SoftBodyDescription& d, double time_s) {
   const CorotationalModel& model = body.asset->model();
   const RigidPlacement at = placement(d.pose);
   Vec3 centre = Vec3::Zero();
@@ -126,6 +185,7 @@ void place_soft_body(SoftBody& body, const SoftBodyDescription& d) {
     node_entry(body.v, node) =
         as_vec3(d.velocity_m_s) +
         as_vec3(d.angular_velocity_rad_s).cross(node_entry(body.x, node) - centre);
+  for (const DrivenNodes& part : body.driven) part.place(time_s, model.rest_positions(), body.x);
 }
 
 }  // namespace souple

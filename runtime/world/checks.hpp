@@ -14,11 +14,17 @@ Status check_rigid_body(const RigidBodyDescription& description);
 
 /// Marks the fixed nodes; an empty name fixes none. Issue fixed_set_invalid.
 Status hold_fixed_set(SoftBody& body, const std::string& fixed_set);
+/// Issue driven_nodes_invalid.
+Status drive_nodes(SoftBody& body, const SoftBodyDescription& description);
+/// What the integrator asks of the body, and its memory.
+/// Issues: static_body_not_held, explicit_step_too_long.
+Status prepare_integrator(SoftBody& body, const WorldSettings& settings);
 /// Chooses the compliance, or prepares the factor of the exact method, and the work space.
 /// Issue scene_no_matching_compliance, listing what the asset has.
 Status prepare_contact_method(SoftBody& body, const WorldSettings& settings,
                               const std::string& fixed_set);
-/// Positions and velocities of the rest shape under the description's pose and rigid velocity.
-void place_soft_body(SoftBody& body, const SoftBodyDescription& description);
+/// Positions and velocities of the rest shape under the description's pose and rigid velocity; driven
+/// nodes where their path is at `time_s`.
+void place_soft_body(SoftBody& body, const SoftBodyDescription& description, double time_s);
 
 }  // namespace souple

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "formats/core/mesh.hpp"
+#include "runtime/solve/solver_kind.hpp"
 
 namespace souple {
 
@@ -22,20 +23,43 @@ enum class ContactMethod : std::uint8_t {
   exact,   ///< columns of A^-1 solved at every step with the current tangent (eq. 4.16): the reference
 };
 
+/// How positions and velocities go on in time (METHOD 2). Each has its own system matrix
+/// A = a_M M + a_K K, and so its own compliance (METHOD 4.2).
+enum class Integrator : std::uint8_t {
+  implicit_euler,  ///< first order, damps: a_M = 1/h^2 + alpha/h, a_K = 1 + beta/h
+  /// Second order between impacts, damps far less: a_M = 9/(4 h^2) + 3 alpha/(2 h),
+  /// a_K = 1 + 3 beta/(2 h), which is the matrix of an implicit Euler step of 2 h / 3.
+  bdf2,
+  /// No inertia: every step goes to the equilibrium of the linearised body, A = K. Every soft body
+  /// needs three fixed nodes that are not on one line, and a static compliance.
+  quasi_static,
+  /// A baseline only: forces of the start of the step, then positions by the new velocities, A = M/h^2.
+  /// Refused beyond its stability limit, and with warped contacts.
+  explicit_euler,
+};
+
 /// Ends when the largest relative change of the contact forces in a sweep falls below `tolerance`.
 struct ContactSolverSettings {
   double tolerance = 1e-9;
   int max_sweeps = 1000;
 };
 
-/// Conjugate gradients on A dx = b; stops at ||r|| <= tolerance ||b||.
+enum class UnconvergedStep : std::uint8_t {
+  keep_best,  ///< the step goes on with the best iterate; its report tells the residual
+  refuse,     ///< issue solver_not_converged, the state is kept
+};
+
+/// A dx = b: solved to ||b - A dx|| <= tolerance ||b||, whatever the solver.
 struct FreeMotionSettings {
+  SolverKind solver = SolverKind::automatic;
   double tolerance = 1e-8;
   int max_iterations = 1000;
+  UnconvergedStep unconverged = UnconvergedStep::keep_best;
 };
 
 struct WorldSettings {
   double time_step_s = 0.01;
+  Integrator integrator = Integrator::implicit_euler;
   Point gravity_m_s2{0, 0, -9.81};
   double friction = 0.4;        ///< Coulomb coefficient of every pair, in [0, 10]
   double alarm_distance_m = 0;  ///< contacts are built below this gap; 0: chosen from size and speed
@@ -72,12 +96,19 @@ struct RigidBodyDescription {
   std::vector<Keyframe> path;  ///< one keyframe: fixed; more: driven, ascending times
 };
 
+/// Nodes that are moved along a rigid path: node k is at pose(t) X_k, X_k its rest position.
+struct DrivenSet {
+  std::string name;            ///< a set of the asset; its nodes belong to the fixed set as well
+  std::vector<Keyframe> path;  ///< as of a rigid body, the pose being that of the rest frame
+};
+
 struct SoftBodyDescription {
   std::string name;
   Pose pose;
   Point velocity_m_s{};
   Point angular_velocity_rad_s{};  ///< about the centre of mass
-  std::string fixed_set;           ///< held at its initial position; empty: free
+  std::string fixed_set;           ///< held at its initial position unless driven; empty: free
+  std::vector<DrivenSet> driven;   ///< parts of the fixed set, or all of it
 };
 
 }  // namespace souple

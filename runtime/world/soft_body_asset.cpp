@@ -45,6 +45,8 @@ Result<std::shared_ptr<const SoftBodyAsset>> SoftBodyAsset::create(SoftBodyConte
   asset->surface_ = SurfaceTree(asset->model_.rest_positions(), std::move(content.level.boundary));
   asset->rigid_modes_ = RigidModes(asset->model_.rest_positions(), asset->model_.masses());
   asset->fixed_sets_ = std::move(content.fixed_sets);
+  asset->multigrid_ = std::move(content.multigrid);
+  asset->coarsest_nodes_ = std::move(content.coarsest_nodes);
   Eigen::AlignedBox3d box;
   for (const auto& node : asset->model_.rest_positions()) box.extend(Vec3(as_vec3(node)));
   asset->longest_side_ = box.sizes().maxCoeff();
@@ -113,8 +115,21 @@ const BodyCompliance* SoftBodyAsset::find_compliance(double mass_factor, double 
   return nullptr;
 }
 
+SolverKind SoftBodyAsset::default_solver() const {
+  // The factor of the rest matrix grows with the power 4/3 of the nodes, a V-cycle with the nodes.
+  constexpr Index largest_factor_nodes = 6000;
+  return model_.node_count() <= largest_factor_nodes ? SolverKind::warped_pcg
+                                                     : SolverKind::multigrid_pcg;
+}
+
 std::size_t SoftBodyAsset::resident_bytes() const {
   std::size_t bytes = model_.bytes() + surface_.bytes() + (visual_ ? visual_->bytes() : 0);
+  bytes += coarsest_nodes_.size() * sizeof(Point);
+  for (const LevelTransition& t : multigrid_)
+    bytes += (t.row_begin.size() + t.column.size() + t.pattern_begin.size() + t.pattern_column.size() +
+              4 * (t.pieces.size() + t.targets.size())) *
+                 sizeof(Index) +
+             t.weight.size() * sizeof(double) + 4 * t.slots.size();
   for (const auto& c : compliances_)
     bytes += c.rest->resident_bytes() + c.extension.resident_bytes() +
              (c.nodes.size() + c.row_of_node.size()) * sizeof(Index);

@@ -13,6 +13,7 @@
 #include "runtime/compliance/rest_extension.hpp"
 #include "runtime/compliance/rigid_modes.hpp"
 #include "runtime/fem/corotational_model.hpp"
+#include "runtime/solve/solver_kind.hpp"
 #include "runtime/visual/visual_surface.hpp"
 
 namespace souple {
@@ -32,6 +33,10 @@ struct SoftBodyContent {
   VisualMesh visual;  ///< empty: none
   Material material;
   std::vector<FixedSet> fixed_sets;
+  /// For multigrid: [l - 1] from level l to level l - 1, and the rest positions of level 0, m, which is
+  /// coarsened further where it is too large. Empty: not there, or not asked for.
+  std::vector<LevelTransition> multigrid{};
+  std::vector<Point> coarsest_nodes{};
   struct Variant {
     ComplianceHeader header;
     std::vector<Index> nodes;
@@ -56,11 +61,17 @@ class SoftBodyAsset {
   const RigidModes& rigid_modes() const { return rigid_modes_; }
   std::span<const FixedSet> fixed_sets() const { return fixed_sets_; }
   const FixedSet* find_fixed_set(const std::string& name) const;
+  /// As in SoftBodyContent; GalerkinPlan::open checks what it is given.
+  std::span<const LevelTransition> multigrid() const { return multigrid_; }
+  std::span<const Point> coarsest_nodes() const { return coarsest_nodes_; }
   std::span<const BodyCompliance> compliances() const { return compliances_; }
   /// The compliance of A0 = mass_factor M + stiffness_factor K with this fixed set, up to a factor
   /// (METHOD 4.2: the ratio of the factors is the key); nullptr if there is none.
   const BodyCompliance* find_compliance(double mass_factor, double stiffness_factor,
                                         const std::string& fixed_set) const;
+  /// What its steps are best begun with, by the number of nodes; see StepSolver::add_spare for what is
+  /// done where that goes badly.
+  SolverKind default_solver() const;
   /// The surface to be shown; nullptr unless there was one and it was asked for. For an instance:
   /// `asset.visual()->positions(world.positions(body), vertices)`.
   const VisualSurface* visual() const { return visual_ ? &*visual_ : nullptr; }
@@ -76,6 +87,8 @@ class SoftBodyAsset {
   SurfaceTree surface_;
   RigidModes rigid_modes_;
   std::vector<FixedSet> fixed_sets_;
+  std::vector<LevelTransition> multigrid_;
+  std::vector<Point> coarsest_nodes_;
   std::vector<BodyCompliance> compliances_;
   std::optional<VisualSurface> visual_;
   double longest_side_ = 0;

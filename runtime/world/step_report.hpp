@@ -2,6 +2,8 @@
 #pragma once
 #include <cstddef>
 
+#include "formats/core/mesh.hpp"
+
 namespace souple {
 
 /// Wall seconds of one step by phase.
@@ -25,12 +27,20 @@ struct StepReport {
   double contact_residual = 0;       ///< natural map, rho_i = 1 / mean eigenvalue of W_ii, over ||f||
   int free_motion_iterations = 0;    ///< summed over bodies
   double free_motion_residual = 0;   ///< worst relative residual over bodies
+  int unconverged_count = 0;         ///< solves that missed their tolerance
   double worst_penetration_m = 0;    ///< at boundary vertices
   double worst_surface_depth_m = 0;  ///< true depth of the deformed surface
   double cone_violation = 0;         ///< max (|f_t| - mu f_n) / max |f|
   double kinetic_energy_j = 0;
   double elastic_energy_j = 0;
   double potential_energy_j = 0;  ///< of gravity, from the origin
+  double load_work_j = 0;         ///< of loads other than gravity, in this step
+  /// What the three energies fell short of those before and the work of the loads: damping, friction,
+  /// impacts and the error of the integrator, less what driven nodes and driven bodies put in. 0 in the
+  /// first step that is measured.
+  double lost_energy_j = 0;
+  Point linear_momentum_kg_m_s{};    ///< of all soft bodies
+  Point angular_momentum_kg_m2_s{};  ///< about the origin
 };
 
 }  // namespace souple

@@ -2,6 +2,7 @@
 #include "runtime/world/world.hpp"
 
 #include "runtime/world/checks.hpp"
+#include "runtime/world/rigid_path.hpp"
 #include "runtime/world/world_state.hpp"
 
 namespace souple {
@@ -31,35 +32,62 @@ Result<BodyId> World::add_soft_body(std::shared_ptr<const SoftBodyAsset> asset,
   State& s = *state_;
   SoftBody body(std::move(asset), description.name);
   if (auto status = hold_fixed_set(body, description.fixed_set); !status) return status.issue();
+  if (auto status = drive_nodes(body, description); !status) return status.issue();
+  if (auto status = prepare_integrator(body, s.settings); !status) return status.issue();
   if (auto status = prepare_contact_method(body, s.settings, description.fixed_set); !status)
     return status.issue();
-  place_soft_body(body, description);
-  const auto index = static_cast<std::uint32_t>(s.bodies.size());
-  s.bodies.push_back(std::make_unique<State::Body>(std::move(body)));
-  s.soft_indices.push_back(index);
-  s.body_contacts.resize(s.bodies.size());
-  s.rigid_steps.resize(s.bodies.size());
-  return BodyId{index};
+  if (auto status = s.solvers.prepare(body, s.settings); !status) return status.issue();
+  place_soft_body(body, description, s.time);
+  return s.add(std::make_unique<State::Body>(std::move(body)), s.soft_indices);
 }
 
 Result<BodyId> World::add_rigid_body(const RigidBodyDescription& description) {
   if (auto status = check_rigid_body(description); !status) return status.issue();
   State& s = *state_;
-  const auto index = static_cast<std::uint32_t>(s.bodies.size());
-  s.bodies.push_back(
-      std::make_unique<State::Body>(RigidBody{description.name, description.shape, description.path}));
-  s.rigid_indices.push_back(index);
-  s.body_contacts.resize(s.bodies.size());
-  s.rigid_steps.resize(s.bodies.size());
-  return BodyId{index};
+  return s.add(
+      std::make_unique<State::Body>(RigidBody{description.name, description.shape, description.path}),
+      s.rigid_indices);
 }
+
+BodyId World::State::add(std::unique_ptr<Body> body, std::vector<std::uint32_t>& indices) {
+  const auto index = static_cast<std::uint32_t>(bodies.size());
+  bodies.push_back(std::move(body));
+  indices.push_back(index);
+  body_contacts.resize(bodies.size());
+  body_steps.resize(bodies.size());
+  rigid_steps.resize(bodies.size());
+  last_energy_j = std::numeric_limits<double>::quiet_NaN();
+  return {index};
+}
+
+Result<LoadId> World::add_load(BodyId soft_body, const LoadDescription& description) {
+  State& s = *state_;
+  if (soft_body.index >= s.bodies.size() || !is_soft(soft_body))
+    return make_issue(IssueCode::load_invalid, "loads act on soft bodies", description.name);
+  SoftBody& body = s.soft(soft_body.index);
+  auto load = AppliedLoad::create(description, *body.asset, body.x);
+  if (!load) return load.issue();
+  const auto index = static_cast<std::uint32_t>(body.loads.size());
+  body.add_load(std::move(*load));
+  return LoadId{soft_body.index, index};
+}
+
+Status World::set_load(LoadId load, const LoadKeyframe& value) {
+  State& s = *state_;
+  if (load.body >= s.bodies.size() || !is_soft({load.body}) ||
+      load.index >= s.soft(load.body).loads.size())
+    return make_issue(IssueCode::load_invalid, "there is no such load");
+  return s.soft(load.body).loads[load.index].set(value, s.soft(load.body).name);
+}
+
+void World::run_jobs_with(RunJobs run_jobs) { state_->run_jobs = std::move(run_jobs); }
 
 Result<StepReport> World::step() {
   State& s = *state_;
   StepReport report;
   PhaseClock clock;
   if (auto status = s.compute_step(report, clock); !status) {
-    s.forget_contacts();
+    s.give_up();
     return status.issue();
   }
   const PhaseTimes& t = report.times;
@@ -88,6 +116,8 @@ const SoftBodyAsset& World::asset(BodyId soft_body) const {
   return *state_->soft(soft_body.index).asset;
 }
 
+SolverKind World::solver(BodyId soft_body) const { return state_->soft(soft_body.index).solver_kind; }
+
 std::span<const Point> World::positions(BodyId soft_body) const {
   return as_points(state_->soft(soft_body.index).x);
 }
@@ -97,7 +127,7 @@ std::span<const Point> World::velocities(BodyId soft_body) const {
 }
 
 Pose World::rigid_pose(BodyId rigid_body) const {
-  return state_->rigid(rigid_body.index).pose_at(state_->time);
+  return pose_at(state_->rigid(rigid_body.index).path, state_->time);
 }
 
 Status World::set_state(BodyId soft_body, std::span<const Point> positions,
@@ -115,6 +145,8 @@ Status World::set_state(BodyId soft_body, std::span<const Point> positions,
     node_entry(body.x, Index(k)) = as_vec3(positions[k]);
     node_entry(body.v, Index(k)) = as_vec3(velocities[k]);
   }
+  body.history.valid = false;
+  state_->last_energy_j = std::numeric_limits<double>::quiet_NaN();
   return {};
 }
 
@@ -129,10 +161,14 @@ Status World::copy_state(const World& other) {
   for (const auto index : to.soft_indices) {
     to.soft(index).x = from.soft(index).x;
     to.soft(index).v = from.soft(index).v;
+    to.soft(index).take_history(from.soft(index), to.settings.time_step_s == from.settings.time_step_s);
   }
+  to.last_energy_j = std::numeric_limits<double>::quiet_NaN();
   to.last_keys = from.last_keys;
   to.last_forces = from.last_forces;
   to.last_changes = from.last_changes;
+  to.last_courses = from.last_courses;
+  to.last_lasting = from.last_lasting;
   to.growing_steps = from.growing_steps;
   to.relaxation = to.exact() ? 1 : from.relaxation;
   to.time = from.time;

@@ -8,6 +8,8 @@
 
 #include "formats/core/mesh.hpp"
 #include "formats/core/result.hpp"
+#include "runtime/world/jobs.hpp"
+#include "runtime/world/loads.hpp"
 #include "runtime/world/settings.hpp"
 #include "runtime/world/step_report.hpp"
 
@@ -39,10 +41,20 @@ class World {
   ~World();
 
   /// The asset is shared and const; the body is a cheap instance of it.
-  /// Issues: world_parameter_invalid, fixed_set_invalid, scene_no_matching_compliance.
+  /// Issues: world_parameter_invalid, fixed_set_invalid, driven_nodes_invalid, static_body_not_held,
+  /// explicit_step_too_long, scene_no_matching_compliance.
   Result<BodyId> add_soft_body(std::shared_ptr<const SoftBodyAsset> asset,
                                const SoftBodyDescription& description);
   Result<BodyId> add_rigid_body(const RigidBodyDescription& description);
+
+  /// A force on a soft body beside gravity, from the next step on. Issue load_invalid.
+  Result<LoadId> add_load(BodyId soft_body, const LoadDescription& description);
+  /// Replaces the course of a load by a value that it keeps (of a keyframe all but the time): N or Pa,
+  /// the pressure of a pressure. Allocates nothing. Issue load_invalid, the load unchanged.
+  Status set_load(LoadId load, const LoadKeyframe& value);
+
+  /// Bodies are stepped as jobs of the application, with the same results; empty: one after another.
+  void run_jobs_with(RunJobs run_jobs);
 
   /// One time step. Allocates nothing once the largest contact count has been seen. On an issue
   /// (step_not_finite, compliance_not_loaded) the state is that before the step; there are then no
@@ -55,6 +67,9 @@ class World {
   bool is_soft(BodyId body) const;
   const SoftBodyAsset& asset(BodyId soft_body) const;
 
+  /// What solves the steps of this body; never automatic. Where the choice was left to the body,
+  /// multigrid_pcg stands in while it takes less work.
+  SolverKind solver(BodyId soft_body) const;
   std::span<const Point> positions(BodyId soft_body) const;   ///< m, all nodes of the finest level
   std::span<const Point> velocities(BodyId soft_body) const;  ///< m/s
   Pose rigid_pose(BodyId rigid_body) const;

@@ -147,7 +147,7 @@ void time_correction(const SoftBodyAsset& body, const BodyCompliance& compliance
     load.segment<3>(3 * Eigen::Index(k)) = sum;
   }
   SparseFactor factor;
-  factor.analyze(&model.pattern(), inner);
+  factor.analyze(model.pattern(), model.rest_positions(), inner);
   if (!factor.factorize(a0)) return;
   const auto naive_s = repeated_seconds(3, [&] {
     Eigen::VectorXd x = load;

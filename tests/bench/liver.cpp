@@ -2,8 +2,6 @@
 #include "tests/bench/liver.hpp"
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include "formats/write/asset_writer.hpp"
 #include "runtime/load/load_soft_body.hpp"
@@ -18,16 +16,6 @@ class SilentProgress final : public ProgressSink {
 };
 
 }  // namespace
-
-std::filesystem::path data_folder() {
-  const char* folder = std::getenv("SOUPLE_DATA_DIR");
-  return folder ? folder : SOUPLE_DEFAULT_DATA_DIR;
-}
-
-void exit_with(const Issue& issue) {
-  std::fprintf(stderr, "%s\n", format_issue(issue).c_str());
-  std::exit(exit_code(issue.code));
-}
 
 Recipe liver_recipe(std::int64_t tets, std::int64_t levels) {
   Recipe recipe;

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The body that the scene benchmarks share: liver-smooth.obj at the reference scale and material.
 #pragma once
-#include <filesystem>
 #include <memory>
 
 #include "runtime/world/soft_body_asset.hpp"
 #include "runtime/world/world.hpp"
+#include "tests/bench/bench_data.hpp"
 #include "tools/recipe/bake.hpp"
 
 namespace souple::bench {
-
-/// SOUPLE_DATA_DIR, or the default beside the checkout.
-std::filesystem::path data_folder();
 
 /// Longest side 0.2 m, E 1e4 Pa, nu 0.4, rho 1000 kg/m3, alpha 0.1, beta 0.01, dynamic h = 0.01 s.
 Recipe liver_recipe(std::int64_t tets, std::int64_t levels);
@@ -22,23 +19,11 @@ std::shared_ptr<const SoftBodyAsset> baked_liver(std::int64_t tets, std::int64_t
                                                  double tolerance = 1e-3);
 BakeOutcome bake_or_exit(const Recipe& recipe);
 
-/// The value, or the end of the program with the issue on stderr.
-template <class T>
-T value_or_exit(Result<T> result);
-
 /// The drop scene of assets/scenes/liver_drop.toml: it ends bent over a fixed ball on a fixed floor.
 struct DropScene {
   World world;
   BodyId body;
 };
 DropScene make_drop(std::shared_ptr<const SoftBodyAsset> liver, const WorldSettings& settings);
-
-[[noreturn]] void exit_with(const Issue& issue);
-
-template <class T>
-T value_or_exit(Result<T> result) {
-  if (!result) exit_with(result.issue());
-  return std::move(*result);
-}
 
 }  // namespace souple::bench

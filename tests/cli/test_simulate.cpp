@@ -72,6 +72,63 @@ TEST_F(Simulate, SameSceneEndsInTheSameState) {
   EXPECT_EQ(first["state_hash"], second["state_hash"]);
 }
 
+TEST_F(Simulate, SameSceneEndsInTheSameStateOnAnyNumberOfThreads) {
+  const std::string second_liver = "[[body]]\nkind = \"soft\"\nname = \"other\"\nasset = \"" +
+                                   baked_liver().string() + "\"\nposition = [0, 0.3, 0.16]\n";
+  const std::string scene = drop_scene("time_step_s = 0.01\n", second_liver);
+  const auto one = simulate(scene, {"--steps", "20", "--json"}).json();
+  const auto three = simulate(scene, {"--steps", "20", "--json", "--threads", "3"}).json();
+  ASSERT_TRUE(one.is_object() && three.is_object());
+  EXPECT_EQ(one["state_hash"], three["state_hash"]);
+  for (const char* threads : {"0", "-1", "1e9", "x"})
+    expect_issue(simulate(scene, {"--steps", "1", "--threads", threads}), 1, "S1002");
+}
+
+TEST_F(Simulate, Bdf2UsesTheComplianceOfItsOwnStepAndNoOther) {
+  const auto fits =
+      simulate(drop_scene("time_step_s = 0.015\nintegrator = \"bdf2\"\n"), {"--steps", "30", "--json"});
+  ASSERT_EQ(fits.exit_code, 0) << fits.err;
+  EXPECT_EQ(fits.json()["settings"]["integrator"], "bdf2");
+  EXPECT_EQ(fits.json()["assets"][0]["compliances"], nlohmann::json({"free"}));
+  const auto other =
+      simulate(drop_scene("time_step_s = 0.01\nintegrator = \"bdf2\"\n"), {"--steps", "5"});
+  expect_issue(other, 3, "S3400");
+  EXPECT_NE(other.err.find("BDF2"), std::string::npos) << other.err;
+}
+
+TEST_F(Simulate, LoadsAndDrivenNodesOfASceneActOnTheBody) {
+  const std::string exact = "time_step_s = 0.01\ngravity = [0, 0, 0]\ncontact_method = \"exact\"\n";
+  const auto pushed = simulate(
+      drop_scene(exact, "[[body.load]]\nkind = \"force\"\npoint = [0, 0, 1]\nvector = [2, 0, 0]\n"),
+      {"--steps", "10", "--json"});
+  ASSERT_EQ(pushed.exit_code, 0) << pushed.err;
+  // The mass of Rayleigh damping takes a share of 0.1 per second.
+  EXPECT_NEAR(pushed.json()["last_step"]["linear_momentum_kg_m_s"][0].get<double>(), 0.2, 0.002);
+  const auto driven =
+      simulate(drop_scene(exact,
+                          "fixed = \"low\"\ndriven = [{ set = \"low\", keyframes = [{ time_s = 0, "
+                          "position = [0, 0, 0.16] }, { time_s = 1, position = [0, 0, 1.16] }] }]\n"),
+               {"--steps", "100", "--json"});
+  ASSERT_EQ(driven.exit_code, 0) << driven.err;
+  EXPECT_GT(driven.json()["last_step"]["linear_momentum_kg_m_s"][2].get<double>(),
+            0.5 * driven.json()["contacts"]["soft_mass_kg"].get<double>());
+  expect_issue(simulate(drop_scene(exact, "driven = [{ set = \"low\", position = [0, 0, 1] }]\n"),
+                        {"--steps", "1"}),
+               3, "S3407");
+  expect_issue(simulate(drop_scene(exact,
+                                   "[[body.load]]\nkind = \"force\"\nset = \"nowhere\"\n"
+                                   "vector = [0, 0, 1]\n"),
+                        {"--steps", "1"}),
+               3, "S3406");
+  expect_issue(simulate(drop_scene("time_step_s = 0.01\nintegrator = \"quasi_static\"\n"
+                                   "contact_method = \"exact\"\n"),
+                        {"--steps", "1"}),
+               3, "S3408");
+  expect_issue(
+      simulate(drop_scene("time_step_s = 0.01\nintegrator = \"explicit_euler\"\n"), {"--steps", "1"}),
+      3, "S3409");
+}
+
 TEST_F(Simulate, ASecondRunLeavesNoFramesOfTheFirst) {
   ASSERT_EQ(simulate(drop_scene(), {"--steps", "30"}).exit_code, 0);
   std::error_code error;

@@ -12,6 +12,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "runtime/multigrid/level_transitions.hpp"
 #include "sample_embedding.hpp"
 #include "sample_hierarchy.hpp"
 
@@ -176,6 +177,7 @@ Asset make_sample_asset(const SampleOptions& options) {
     if (l > 0) tie(asset.levels.back().mesh, cells / 2, options.ties, level);
     asset.levels.push_back(std::move(level));
   }
+  if (options.multigrid) asset.multigrid = store_transitions(asset.levels).value();
   if (options.visual_cells > 0)
     asset.visual = make_visual(options.visual_cells, asset.levels.back().mesh);
   add_regions(asset, options.regions);
@@ -268,8 +270,8 @@ Asset sorted(Asset asset) {
 
 bool same_content(const Asset& first, const Asset& second) {
   const Asset a = sorted(first), b = sorted(second);
-  return std::ranges::equal(a.levels, b.levels, same_level) && same_visual(a.visual, b.visual) &&
-         same_material(a.material, b.material) &&
+  return std::ranges::equal(a.levels, b.levels, same_level) && a.multigrid == b.multigrid &&
+         same_visual(a.visual, b.visual) && same_material(a.material, b.material) &&
          std::ranges::equal(a.fixed_sets, b.fixed_sets, same_set) &&
          std::ranges::equal(a.compliances, b.compliances, same_variant) &&
          same_provenance(a.provenance, b.provenance);

@@ -26,6 +26,7 @@ struct SampleOptions {
   /// Variants "compressed" and, above one level, "coarse": hierarchical, the latter with a
   /// prolongation.
   bool hierarchical = true;
+  bool multigrid = true;  ///< prolongations and product plans, above one level
   int visual_cells = 3;  ///< of the box whose surface is shown, 2 % larger than the body; 0: none
 };
 

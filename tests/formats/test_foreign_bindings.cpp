@@ -110,6 +110,33 @@ TEST_F(ForeignBindings, TakenAwayLeaveALevelThatHangsOnItsParents) {
   EXPECT_EQ(level_code(), number(IssueCode::asset_hierarchy_invalid));
 }
 
+TEST_F(ForeignBindings, OfTransitionsAreRefusedByTheReader) {
+  const auto transition_code = [&] {
+    Result<AssetReader> reader = AssetReader::open(file_);
+    const auto read = reader ? reader->read_transition(1) : Result<LevelTransition>(reader.issue());
+    return read ? 0 : number(read.issue().code);
+  };
+  EXPECT_EQ(transition_code(), 0);
+  const std::pair<const char*, double> values[] = {
+      {"prolongation_begin", -1}, {"prolongation_column", 8},     {"prolongation_weight", std::nan("")},
+      {"pattern_begin", 1e9},     {"pattern_column", -1},         {"plan_pieces", -1},
+      {"plan_slots", 255},        {"plan_targets", -2147483648.0}};
+  for (const auto& [name, value] : values) {
+    const std::string path = std::string("/multigrid/1/") + name;
+    ASSERT_NO_FATAL_FAILURE(SetUp());
+    set(path.c_str(), 5, value);
+    EXPECT_EQ(transition_code(), number(IssueCode::asset_multigrid_invalid)) << name;
+    ASSERT_NO_FATAL_FAILURE(SetUp());
+    change([&](hid_t file) {
+      H5Dclose(
+          replace_dataset(file, path.c_str(), {.extent = {hsize_t{1} << 30, 4}, .chunk = {16, 4}}));
+    });
+    EXPECT_NE(transition_code(), 0) << name;
+    change([&](hid_t file) { H5Ldelete(file, path.c_str(), H5P_DEFAULT); });
+    EXPECT_EQ(transition_code(), number(IssueCode::asset_missing_part)) << name;
+  }
+}
+
 TEST_F(ForeignBindings, ThatAreNoGroupAreRefused) {
   change([](hid_t file) {
     H5Ldelete(file, "/mesh/visual", H5P_DEFAULT);

@@ -6,6 +6,7 @@
 #include "formats/read/content_hash.hpp"
 #include "formats/read/validate.hpp"
 #include "formats/write/asset_writer.hpp"
+#include "runtime/multigrid/level_transitions.hpp"
 #include "sample_asset.hpp"
 
 namespace souple::test {
@@ -28,6 +29,7 @@ const Golden goldens[] = {
     {"asset-1.1-embedded.souple", "Version1_1Embedded", 1, "6c0720c06cc1a4409bffda392a9909ca", false,
      true, true, 1},
     {"asset-1.2.souple", "Version1_2", 2, "4a6170479860c45a80e6bd260b98513a", true, true, true, 5},
+    {"asset-1.3.souple", "Version1_3", 3, "8afa86d2d10399ad91452eefafe44fd0", true, true, true, 5},
 };
 
 class GoldenAsset : public ::testing::TestWithParam<Golden> {
@@ -96,6 +98,19 @@ TEST_P(GoldenAsset, KeepsItsHierarchicalCompliances) {
     EXPECT_EQ(variant.hierarchy.rank, (coarse ? std::vector<Index>{3} : std::vector<Index>{4, 4, 4}));
   }
   EXPECT_EQ(count, GetParam().version_minor >= 2 ? 2u : 0u);
+}
+
+// Of the part that 1.3 brought; older files have none.
+TEST_P(GoldenAsset, KeepsItsTransitions) {
+  if (GetParam().version_minor < 3) {
+    EXPECT_TRUE(asset_.multigrid.empty());
+    return;
+  }
+  ASSERT_EQ(asset_.multigrid.size(), 1u);
+  const LevelTransition& transition = asset_.multigrid[0];
+  EXPECT_EQ(transition.row_begin.size(), 28u);
+  EXPECT_EQ(transition.pattern_begin.size(), 9u);
+  EXPECT_EQ(asset_.multigrid, store_transitions(asset_.levels).value());
 }
 
 // What the present writer makes of old content has the hash that the old file has.

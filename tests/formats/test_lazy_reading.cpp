@@ -53,6 +53,7 @@ class LazyReading : public ::testing::Test {
   /// Of the finest level, if it were the only one.
   static std::uint64_t stored_without_ties() {
     Asset asset = *asset_;
+    asset.multigrid.clear();
     asset.levels = {{asset.levels[1].mesh, asset.levels[1].boundary, {}, {}, {}}};
     const Result<std::vector<std::byte>> bytes = write_asset_memory(asset);
     if (!bytes) return 0;
@@ -102,6 +103,11 @@ TEST_F(LazyReading, TheMeshToSimulateReadsNeitherItsTiesNorOtherLevelsNorTheVisu
   const std::uint64_t level = reader->bytes_read() - before - mesh;
   ASSERT_TRUE(reader->read_visual().ok());
   const std::uint64_t visual = reader->bytes_read() - before - mesh - level;
+  ASSERT_TRUE(reader->read_transition(1).ok());
+  const std::uint64_t transition = reader->bytes_read() - before - mesh - level - visual;
+  EXPECT_GE(transition, stored_bytes(*another, "multigrid/1"));
+  // The sizes of both levels come from headers of theirs.
+  EXPECT_LT(transition, stored_bytes(*another, "multigrid/1") + 2 * headers);
   std::cout << "mesh of a level " << mesh << " bytes, with its ties " << level << ", visual surface "
             << visual << "\n";
   EXPECT_LT(mesh, stored_without_ties() + headers);

@@ -212,6 +212,27 @@ TEST(ContentHash, ChangesWithEveryPart) {
   EXPECT_TRUE(differs([](Asset& a) { a.compliances[1].payload[100] ^= std::byte{1}; }));
 }
 
+TEST(ContentHash, ChangesWithEveryPartOfATransition) {
+  const Asset asset = make_sample_asset();
+  const auto differs = [&](auto change) {
+    Asset other = asset;
+    change(other.multigrid[0]);
+    return content_hash(other) != content_hash(asset);
+  };
+  using Transition = LevelTransition;
+  EXPECT_TRUE(differs([](Transition& t) { ++t.row_begin[3]; }));
+  EXPECT_TRUE(differs([](Transition& t) { t.column[5] ^= 1; }));
+  EXPECT_TRUE(differs([](Transition& t) { t.weight[5] *= 1 + 1e-15; }));
+  EXPECT_TRUE(differs([](Transition& t) { ++t.pattern_begin[3]; }));
+  EXPECT_TRUE(differs([](Transition& t) { t.pattern_column[5] ^= 1; }));
+  EXPECT_TRUE(differs([](Transition& t) { t.pieces[3][1] ^= 1; }));
+  EXPECT_TRUE(differs([](Transition& t) { t.slots[3][1] ^= 1; }));
+  EXPECT_TRUE(differs([](Transition& t) { t.targets[3][1] ^= 1; }));
+  Asset without = asset;
+  without.multigrid.clear();
+  EXPECT_NE(content_hash(without), content_hash(asset));
+}
+
 TEST(ContentHash, ChangesWithEveryPartOfAHierarchicalCompliance) {
   const Asset asset = make_sample_asset();
   const std::string hash = content_hash(asset);
@@ -260,7 +281,7 @@ TEST(AssetReader, ListsWhatGroupsCostWithoutReadingThem) {
   EXPECT_EQ(visual->vertex_count, asset.visual.surface.vertices.size());
   EXPECT_EQ(visual->triangle_count, asset.visual.surface.triangles.size());
   EXPECT_LT(reader->bytes_read(), bytes.size() / 4);
-  ASSERT_EQ(costs->size(), 2u + 1u + 1u + 2u + 5u);
+  ASSERT_EQ(costs->size(), 2u + 1u + 1u + 1u + 2u + 5u);
   const auto cost = [&](const std::string& path) {
     return *std::ranges::find(*costs, path, &GroupCost::path);
   };
@@ -274,10 +295,39 @@ TEST(AssetReader, ListsWhatGroupsCostWithoutReadingThem) {
             (24 + 4 + 32) * visual->vertex_count + 12 * visual->triangle_count);
   EXPECT_EQ(cost("compliance/default").raw_bytes,
             asset.compliances[0].payload.size() + 4 * asset.compliances[0].nodes.size());
+  const LevelTransition& transition = asset.multigrid[0];
+  EXPECT_EQ(
+      cost("multigrid/1").raw_bytes,
+      4 * (transition.row_begin.size() + 3 * transition.column.size() +
+           transition.pattern_begin.size() + transition.pattern_column.size() +
+           transition.slots.size() + 4 * transition.pieces.size() + 4 * transition.targets.size()));
   std::uint64_t stored = 0;
   for (const GroupCost& group : *costs) stored += group.stored_bytes;
   EXPECT_LT(stored, bytes.size());
   EXPECT_GT(stored, bytes.size() / 2);
+}
+
+TEST(AssetRoundTrip, KeepsTransitionsOfEveryLevelOrNone) {
+  for (const Ties ties : {Ties::parents, Ties::embedding, Ties::both}) {
+    const Asset asset = make_sample_asset({.levels = 3, .ties = ties});
+    ASSERT_EQ(asset.multigrid.size(), 2u);
+    const std::vector<std::byte> bytes = written(asset);
+    Result<AssetReader> reader = AssetReader::open_memory(bytes);
+    ASSERT_TRUE(reader.ok());
+    EXPECT_TRUE(reader->has_multigrid());
+    for (std::size_t l = 1; l < 3; ++l) {
+      const Result<LevelTransition> transition = reader->read_transition(l);
+      ASSERT_TRUE(transition.ok()) << format_issue(transition.issue());
+      EXPECT_EQ(*transition, asset.multigrid[l - 1]);
+    }
+    for (const std::size_t level : {std::size_t{0}, std::size_t{3}, ~std::size_t{0}})
+      EXPECT_EQ(reader->read_transition(level).issue().code, IssueCode::asset_missing_part);
+  }
+  const std::vector<std::byte> bytes = written(make_sample_asset({.multigrid = false}));
+  Result<AssetReader> reader = AssetReader::open_memory(bytes);
+  ASSERT_TRUE(reader.ok());
+  EXPECT_FALSE(reader->has_multigrid());
+  EXPECT_EQ(reader->read_transition(1).issue().code, IssueCode::asset_missing_part);
 }
 
 TEST(AssetReader, SaysWhichPartIsMissing) {

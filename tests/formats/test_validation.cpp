@@ -294,6 +294,45 @@ const Fault hierarchy_faults[] = {
      [](Asset& a) { coarse(a).nodes.clear(), coarse(a).prolongation.clear(); }},
 };
 
+LevelTransition& transition(Asset& a) { return a.multigrid[0]; }
+constexpr IssueCode no_plan = IssueCode::asset_multigrid_invalid;
+
+const Fault multigrid_faults[] = {
+    {"TransitionTooMany", no_plan, [](Asset& a) { a.multigrid.push_back(a.multigrid[0]); }},
+    {"RowMissing", no_plan, [](Asset& a) { transition(a).row_begin.pop_back(); }},
+    {"RowsEmpty", no_plan, [](Asset& a) { transition(a).row_begin.clear(); }},
+    {"RowsDescend", no_plan, [](Asset& a) { transition(a).row_begin[4] = 1 << 30; }},
+    {"RowsNegative", no_plan, [](Asset& a) { transition(a).row_begin[4] = -1; }},
+    {"RowsPastTheEnd", no_plan, [](Asset& a) { ++transition(a).row_begin.back(); }},
+    {"RowWithoutEntries", no_plan,
+     [](Asset& a) { transition(a).row_begin[4] = transition(a).row_begin[3]; }},
+    {"ColumnOutOfRange", no_plan, [](Asset& a) { transition(a).column[0] = 8; }},
+    {"ColumnNegative", no_plan, [](Asset& a) { transition(a).column[0] = -1; }},
+    {"WeightMissing", no_plan, [](Asset& a) { transition(a).weight.pop_back(); }},
+    {"WeightNaN", no_plan, [](Asset& a) { transition(a).weight[3] = nan; }},
+    {"WeightOfSumAlmostOne", no_plan, [](Asset& a) { transition(a).weight[3] += 2e-6; }},
+    {"PatternShort", no_plan, [](Asset& a) { transition(a).pattern_begin.pop_back(); }},
+    {"PatternColumn", no_plan, [](Asset& a) { transition(a).pattern_column[1] = 1 << 30; }},
+    {"PatternWithoutDiagonal", no_plan,
+     [](Asset& a) {
+       LevelTransition& t = transition(a);
+       t.pattern_column.erase(t.pattern_column.begin());
+       for (Index& begin : t.pattern_begin) begin -= begin > 0 ? 1 : 0;
+     }},
+    {"PieceMissing", no_plan, [](Asset& a) { transition(a).pieces.pop_back(); }},
+    {"PieceOfNoNode", no_plan, [](Asset& a) { transition(a).pieces[2][0] = 27; }},
+    {"PieceNegative", no_plan, [](Asset& a) { transition(a).pieces[2][1] = -5; }},
+    {"PieceWithoutBlocks", no_plan, [](Asset& a) { transition(a).pieces[2][2] = 0; }},
+    {"PieceTooLong", no_plan, [](Asset& a) { transition(a).pieces[2][2] = 256; }},
+    {"PieceOfTooManySlots", no_plan, [](Asset& a) { transition(a).pieces[2][3] = 257; }},
+    {"SlotOutOfRange", no_plan, [](Asset& a) { transition(a).slots[3][2] = 255; }},
+    {"SlotsShort", no_plan, [](Asset& a) { transition(a).slots.pop_back(); }},
+    {"SlotsLeftOver", no_plan, [](Asset& a) { transition(a).slots.push_back({}); }},
+    {"TargetOutOfRange", no_plan, [](Asset& a) { transition(a).targets[3][2] = 1 << 30; }},
+    {"TargetNegative", no_plan, [](Asset& a) { transition(a).targets[3][2] = -1; }},
+    {"TargetsShort", no_plan, [](Asset& a) { transition(a).targets.pop_back(); }},
+};
+
 class Validation : public ::testing::TestWithParam<Fault> {};
 
 TEST_P(Validation, FindsTheFault) {
@@ -309,6 +348,7 @@ TEST_P(Validation, FindsTheFault) {
 const auto fault_name = [](const auto& info) { return std::string(info.param.name); };
 INSTANTIATE_TEST_SUITE_P(Mesh, Validation, ::testing::ValuesIn(mesh_faults), fault_name);
 INSTANTIATE_TEST_SUITE_P(Embedding, Validation, ::testing::ValuesIn(embedding_faults), fault_name);
+INSTANTIATE_TEST_SUITE_P(Multigrid, Validation, ::testing::ValuesIn(multigrid_faults), fault_name);
 INSTANTIATE_TEST_SUITE_P(Parts, Validation, ::testing::ValuesIn(part_faults), fault_name);
 INSTANTIATE_TEST_SUITE_P(Compliance, Validation, ::testing::ValuesIn(compliance_faults), fault_name);
 INSTANTIATE_TEST_SUITE_P(Hierarchy, Validation, ::testing::ValuesIn(hierarchy_faults), fault_name);

@@ -94,6 +94,8 @@ bool use(const Bytes& bytes) {
     if (!reader->read_compliance_header(name)) continue;
   for (std::size_t l = 0; l < reader->level_count(); ++l)
     if (!reader->read_level_sizes(l) || !reader->read_level_mesh(l)) break;
+  for (std::size_t l = 1; l < reader->level_count(); ++l)
+    if (!reader->read_transition(l)) break;
   (void)reader->read_visual_sizes();
   return validate_asset_memory(bytes).valid() && listed;
 }

@@ -8,20 +8,26 @@
 #include "tools/commands/simulation_json.hpp"
 #include "tools/exchange/atomic_file.hpp"
 #include "tools/exchange/numbers.hpp"
+#include "tools/scene/job_pool.hpp"
 #include "tools/scene/simulation.hpp"
 
 namespace souple {
 namespace {
 
+constexpr std::int64_t most_threads = 256;
+
 struct SimulateOptions {
   std::string scene_file;
   std::string steps;
   std::string folder;
+  std::string threads = "1";
 
   void add_to(CLI::App& app) {
     app.add_option("SCENE", scene_file, "the scene, TOML")->required();
     app.add_option("--steps", steps, "how many steps to run")->required();
     app.add_option("-o,--output", folder, "folder for frames, scene.pvd and report.json")->required();
+    app.add_option("--threads", threads,
+                   "threads that step the bodies (1); the result does not depend on them");
   }
 };
 
@@ -78,6 +84,8 @@ Result<ExitCode> run_simulate(const Arguments& arguments) {
   if (*parsed == ParseOutcome::help_printed) return ExitCode::ok;
   const auto steps = integer_option("--steps", given.steps, 1, step_count_limit);
   if (!steps) return steps.issue();
+  const auto threads = integer_option("--threads", given.threads, 1, most_threads);
+  if (!threads) return threads.issue();
   Console console(line.common().verbosity());
 
   const auto scene = read_scene(given.scene_file);
@@ -88,6 +96,8 @@ Result<ExitCode> run_simulate(const Arguments& arguments) {
   console.detail("loaded " + std::to_string(built->assets.size()) + " assets, " +
                  std::to_string(built->bodies.size()) + " bodies");
 
+  JobPool pool(static_cast<unsigned>(*threads));
+  built->world.run_jobs_with(pool.runner());
   const InterruptFlag interrupt;
   const SimulationReport report =
       run(*scene, *built, {*steps, given.folder, {}, {}}, console, interrupt);

@@ -6,6 +6,7 @@ namespace {
 
 Json settings_json(const WorldSettings& s) {
   return {{"time_step_s", s.time_step_s},
+          {"integrator", integrator_name(s.integrator)},
           {"gravity_m_s2", s.gravity_m_s2},
           {"friction", s.friction},
           {"alarm_distance_m", s.alarm_distance_m},
@@ -14,7 +15,10 @@ Json settings_json(const WorldSettings& s) {
           {"contact_tolerance", s.contact_solver.tolerance},
           {"contact_max_sweeps", s.contact_solver.max_sweeps},
           {"contact_passes", s.contact_passes},
+          {"solver", solver_name(s.free_motion.solver)},
           {"solver_tolerance", s.free_motion.tolerance},
+          {"solver_unconverged",
+           s.free_motion.unconverged == UnconvergedStep::refuse ? "refuse" : "keep_best"},
           {"solver_max_iterations", s.free_motion.max_iterations}};
 }
 
@@ -34,7 +38,10 @@ Json bodies_json(const Scene& scene, const SceneWorld& built) {
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const bool soft = built.world.is_soft(built.bodies[i]);
     Json body = {{"name", scene_body_name(scene.bodies[i])}, {"kind", soft ? "soft" : "rigid"}};
-    if (soft) body["node_count"] = built.world.positions(built.bodies[i]).size();
+    if (soft) {
+      body["node_count"] = built.world.positions(built.bodies[i]).size();
+      body["solver"] = solver_name(built.world.solver(built.bodies[i]));
+    }
     list.push_back(std::move(body));
   }
   return list;
@@ -56,7 +63,8 @@ Json laws_json(const SimulationReport& r) {
           {"cone_violation", worst_json(r.cone_violation)},
           {"contact_residual", worst_json(r.contact_residual)},
           {"contact_sweeps", worst_json(r.contact_sweeps)},
-          {"free_motion_residual", worst_json(r.free_motion_residual)}};
+          {"free_motion_residual", worst_json(r.free_motion_residual)},
+          {"unconverged_count", worst_json(r.unconverged_count)}};
 }
 
 Json step_json(const StepReport& r) {
@@ -66,12 +74,17 @@ Json step_json(const StepReport& r) {
           {"contact_residual", r.contact_residual},
           {"free_motion_iterations", r.free_motion_iterations},
           {"free_motion_residual", r.free_motion_residual},
+          {"unconverged_count", r.unconverged_count},
           {"penetration_m", r.worst_penetration_m},
           {"surface_depth_m", r.worst_surface_depth_m},
           {"cone_violation", r.cone_violation},
           {"kinetic_energy_j", r.kinetic_energy_j},
           {"elastic_energy_j", r.elastic_energy_j},
-          {"potential_energy_j", r.potential_energy_j}};
+          {"potential_energy_j", r.potential_energy_j},
+          {"load_work_j", r.load_work_j},
+          {"lost_energy_j", r.lost_energy_j},
+          {"linear_momentum_kg_m_s", r.linear_momentum_kg_m_s},
+          {"angular_momentum_kg_m2_s", r.angular_momentum_kg_m2_s}};
 }
 
 Json samples_json(const SimulationReport& r) {

@@ -146,10 +146,12 @@ Result<ComplianceError> probe_compliance(const ComplianceSystem& system, const S
   return error;
 }
 
-double probe_solves(const SurfaceInverse& solves) {
-  Eigen::MatrixXd x = random_signs(3 * Eigen::Index(solves.node_count()), probe_count);
+double probe_solves(const ComplianceSystem& system, const SurfaceInverse& solves) {
+  const Eigen::MatrixXd f = random_signs(3 * Eigen::Index(solves.node_count()), probe_count);
+  Eigen::MatrixXd x = f;
   SurfaceInverse::Work work;
-  return solves.apply_refined(solves.places(), x, solve_tolerance, work);
+  solves.apply_refined(solves.places(), x, solve_tolerance, work);
+  return system_residual(system, f, solves.solution_on_free_nodes(work));
 }
 
 namespace {

@@ -25,8 +25,9 @@ Result<ComplianceError> probe_compliance(const ComplianceSystem& system, const S
                                          const SymmetricSource& source,
                                          const ComplianceProduct& product);
 
-/// Largest relative residual of refined solves in double for random forces on the surface.
-double probe_solves(const SurfaceInverse& solves);
+/// max ||A0 u - f|| / ||f|| of refined solves for random forces f on the surface, u on all free nodes:
+/// computed from the system's matrix, not from what the solves say of themselves.
+double probe_solves(const ComplianceSystem& system, const SurfaceInverse& solves);
 
 /// All columns of `stored` against `source`, exactly; scaled_spectral by Lanczos, which comes
 /// from below: for errors that are reported, not promised. solve_residual is left as it is.

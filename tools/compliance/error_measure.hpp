@@ -22,10 +22,12 @@ class ErrorMeasure {
   virtual ComplianceError estimate(double shift) = 0;
   /// Everything.
   virtual ComplianceError certify(double shift) = 0;
-  /// A shift that makes S (C~ + shift I) S^T no less than C, and so positive semi-definite; during a
-  /// search a guess that costs less.
+  /// A shift that makes S (C~ + shift I) S^T positive semi-definite, from how far the stored form may
+  /// fall below C; during a search a guess that costs less.
   virtual double shift_above() = 0;
   virtual double guessed_shift() { return shift_above(); }
+  /// Whether that takes into account how positive C is, so that it often is 0.
+  virtual bool knows_floor() const { return false; }
   virtual const Eigen::VectorXd& column_norms() const = 0;  ///< of C, in cluster order
 };
 

@@ -19,8 +19,6 @@ constexpr double first_guess = 1.25;
 
 // Positive definite with room to spare: this share of the noise's norm.
 constexpr double cushion = 0.02;
-// Above so many scalars, factors of C~ would take too much memory beside the rest.
-constexpr std::size_t largest_factor_scalars = 100'000'000;
 
 struct Found {
   double factor = 0;
@@ -46,19 +44,17 @@ double mean_step(const HodlrMatrix& matrix, const QuantisedMatrix& quantised) {
   return std::sqrt(sum / entries);
 }
 
-bool is_too_large_to_factor(const HodlrMatrix& matrix, const QuantisedMatrix& quantised) {
+// C~ in double and its factors beside it.
+std::size_t factor_bytes(const HodlrMatrix& matrix, const QuantisedMatrix& quantised) {
   std::size_t count = 0;
   for (std::size_t b = 0; b < matrix.blocks.size(); ++b)
     count += quantised.blocks[b].kept.size() *
              std::size_t(matrix.blocks[b].left.rows() + matrix.blocks[b].right.rows());
-  return count > largest_factor_scalars;
+  return 2 * sizeof(double) * count;
 }
 
-// Makes C~ + shift I positive definite: from its own least eigenvalue where that can be had, which is
-// often positive; else from how far the stored form falls below C.
-double needed_shift(const HodlrMatrix& matrix, const Found& found, ErrorMeasure& measure,
-                    WorkerPool& pool) {
-  if (is_too_large_to_factor(matrix, found.quantised)) return measure.guessed_shift();
+// Makes C~ + shift I positive definite by its own least eigenvalue, which is often positive already.
+double needed_shift(const HodlrMatrix& matrix, const Found& found, WorkerPool& pool) {
   const double resolution =
       cushion * noise_norm(mean_step(matrix, found.quantised), matrix.order.size());
   ScaledHodlr plain = plain_hodlr(matrix, found.quantised);
@@ -102,14 +98,31 @@ class FactorSearch {
 
   ComplianceError certify(Found& found) {
     measure_.set_stored(found.quantised);
-    if (is_too_large_to_factor(matrix_, found.quantised)) found.shift = measure_.shift_above();
+    find_shift(found, true);
     return measure_.certify(found.shift);
   }
 
  private:
+  bool is_factored(const Found& found) const {
+    return factor_bytes(matrix_, found.quantised) <= options_.factor_limit_bytes;
+  }
+
+  // Products show a shift that is enough and, where the measure knows how positive C is, often none;
+  // factors show the least one.
+  void find_shift(Found& found, bool for_certificate) {
+    const bool factored = is_factored(found);
+    if (measure_.knows_floor() || !factored) {
+      found.shift = for_certificate ? measure_.shift_above() : measure_.guessed_shift();
+      if (found.shift == 0 || !factored) return;
+    } else if (for_certificate) {
+      return;  // factors have shown it already
+    }
+    found.shift = needed_shift(matrix_, found, pool_);
+  }
+
   double error_of(Found& found) {
     measure_.set_stored(found.quantised);
-    found.shift = needed_shift(matrix_, found, measure_, pool_);
+    find_shift(found, false);
     return error_in(measure_.estimate(found.shift), options_.norm);
   }
 

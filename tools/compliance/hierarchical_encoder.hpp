@@ -15,8 +15,11 @@ namespace souple {
 struct EncodeOptions {
   double tolerance = 1e-3;  ///< bound on the measured error, shift included; in (0, 0.5]
   ErrorNorm norm = ErrorNorm::scaled_spectral;
-  Index leaf_nodes = 32;                          ///< about so many nodes per leaf at most
-  unsigned threads = 2;                           ///< the result does not depend on it
+  Index leaf_nodes = 32;  ///< about so many nodes per leaf at most
+  unsigned threads = 2;   ///< the result does not depend on it
+  /// For factors of C~ in double, which show by how little a shift it stays positive definite. Where
+  /// they do not fit, products with C show a shift that is enough.
+  std::size_t factor_limit_bytes = 1'600'000'000;
   std::function<void(double fraction)> progress;  ///< may be empty
   /// May be empty; asked on the calling thread between blocks and rounds. True: issue interrupted.
   std::function<bool()> cancelled;

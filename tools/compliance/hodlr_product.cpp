@@ -36,30 +36,6 @@ ClusterRange range_of_block(Index node_count, std::size_t b) {
   return cluster_range(node_count, depth, Index(b + 1 - (std::size_t{1} << depth)));
 }
 
-template <class BlockOf, class LeafOf>
-ScaledHodlr make_scaled(const HodlrMatrix& matrix, WorkerPool& pool, const BlockOf& block_of,
-                        const LeafOf& leaf_of) {
-  const std::vector<Eigen::Matrix3d> scales = ordered_scales(matrix);
-  ScaledHodlr scaled;
-  scaled.node_count = Index(matrix.order.size());
-  scaled.depth = matrix.depth;
-  scaled.blocks.resize(matrix.blocks.size());
-  scaled.leaves.resize(matrix.leaves.size());
-  pool.run(scaled.blocks.size() + scaled.leaves.size(), [&](std::size_t item, unsigned) {
-    if (item < scaled.blocks.size()) {
-      auto [left, right] = block_of(item);
-      scaled.blocks[item] = scaled_block(std::move(left), std::move(right), scales,
-                                         range_of_block(scaled.node_count, item));
-    } else {
-      const std::size_t leaf = item - scaled.blocks.size();
-      scaled.leaves[leaf] =
-          scaled_leaf(leaf_of(leaf), scales,
-                      cluster_range(scaled.node_count, scaled.depth, static_cast<Index>(leaf)));
-    }
-  });
-  return scaled;
-}
-
 // What the integers stand for, without S.
 std::pair<MatrixXd, MatrixXd> factors_of(const LowRankBlock& block, const QuantisedBlock& quantised) {
   const double step = quantised.step;
@@ -86,23 +62,27 @@ std::vector<Eigen::Matrix3d> ordered_scales(const HodlrMatrix& matrix) {
   return scales;
 }
 
-ScaledHodlr scaled_hodlr(const HodlrMatrix& matrix, WorkerPool& pool) {
-  return make_scaled(
-      matrix, pool,
-      [&](std::size_t b) {
-        const LowRankBlock& block = matrix.blocks[b];
-        return std::pair<MatrixXd, MatrixXd>(
-            block.left.cast<double>() * block.singular.cast<double>().asDiagonal(),
-            block.right.cast<double>());
-      },
-      [&](std::size_t leaf) { return MatrixXd(matrix.leaves[leaf].cast<double>()); });
-}
-
 ScaledHodlr scaled_hodlr(const HodlrMatrix& matrix, const QuantisedMatrix& quantised,
                          WorkerPool& pool) {
-  return make_scaled(
-      matrix, pool, [&](std::size_t b) { return factors_of(matrix.blocks[b], quantised.blocks[b]); },
-      [&](std::size_t leaf) { return leaf_of(matrix, quantised, leaf); });
+  const std::vector<Eigen::Matrix3d> scales = ordered_scales(matrix);
+  ScaledHodlr scaled;
+  scaled.node_count = Index(matrix.order.size());
+  scaled.depth = matrix.depth;
+  scaled.blocks.resize(matrix.blocks.size());
+  scaled.leaves.resize(matrix.leaves.size());
+  pool.run(scaled.blocks.size() + scaled.leaves.size(), [&](std::size_t item, unsigned) {
+    if (item < scaled.blocks.size()) {
+      auto [left, right] = factors_of(matrix.blocks[item], quantised.blocks[item]);
+      scaled.blocks[item] = scaled_block(std::move(left), std::move(right), scales,
+                                         range_of_block(scaled.node_count, item));
+    } else {
+      const std::size_t leaf = item - scaled.blocks.size();
+      scaled.leaves[leaf] =
+          scaled_leaf(leaf_of(matrix, quantised, leaf), scales,
+                      cluster_range(scaled.node_count, scaled.depth, static_cast<Index>(leaf)));
+    }
+  });
+  return scaled;
 }
 
 ScaledHodlr plain_hodlr(const HodlrMatrix& matrix, const QuantisedMatrix& quantised) {
@@ -116,45 +96,6 @@ ScaledHodlr plain_hodlr(const HodlrMatrix& matrix, const QuantisedMatrix& quanti
   for (std::size_t leaf = 0; leaf < matrix.leaves.size(); ++leaf)
     plain.leaves.push_back(leaf_of(matrix, quantised, leaf));
   return plain;
-}
-
-void ScaledHodlr::add_product(double factor, const Eigen::Ref<const MatrixXd>& x,
-                              Eigen::Ref<MatrixXd> y) const {
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const Block& block = blocks[b];
-    const Eigen::Index first = 3 * Eigen::Index{range_of_block(node_count, b).begin};
-    const Eigen::Index second = first + block.left.rows();
-    const MatrixXd from_right =
-        factor * (block.right.transpose() * x.middleRows(second, block.right.rows()));
-    const MatrixXd from_left =
-        factor * (block.left.transpose() * x.middleRows(first, block.left.rows()));
-    y.middleRows(first, block.left.rows()).noalias() += block.left * from_right;
-    y.middleRows(second, block.right.rows()).noalias() += block.right * from_left;
-  }
-  for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf) {
-    const Eigen::Index first =
-        3 * Eigen::Index{cluster_range(node_count, depth, static_cast<Index>(leaf)).begin};
-    const Eigen::Index rows = leaves[leaf].rows();
-    y.middleRows(first, rows).noalias() += factor * leaves[leaf] * x.middleRows(first, rows);
-  }
-}
-
-Eigen::VectorXd ScaledHodlr::column_norms() const {
-  Eigen::VectorXd norms2 = Eigen::VectorXd::Zero(3 * Eigen::Index{node_count});
-  const auto squared = [](const MatrixXd& factor, const MatrixXd& other) {
-    const MatrixXd gram = other.transpose() * other;
-    return Eigen::VectorXd((factor * gram).cwiseProduct(factor).rowwise().sum());
-  };
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const Block& block = blocks[b];
-    const Eigen::Index first = 3 * Eigen::Index{range_of_block(node_count, b).begin};
-    norms2.segment(first, block.left.rows()) += squared(block.left, block.right);
-    norms2.segment(first + block.left.rows(), block.right.rows()) += squared(block.right, block.left);
-  }
-  for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf)
-    norms2.segment(3 * Eigen::Index{cluster_range(node_count, depth, static_cast<Index>(leaf)).begin},
-                   leaves[leaf].rows()) += leaves[leaf].colwise().squaredNorm().transpose();
-  return norms2.cwiseMax(0).cwiseSqrt();
 }
 
 }  // namespace souple

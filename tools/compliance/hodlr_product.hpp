@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What follows from the blocks of a HODLR matrix without forming it. Everything is in double, rows in
-// cluster order.
+// The blocks of a HODLR matrix in double, rows in cluster order: for matrices that are small enough to
+// be held once more.
 #pragma once
 #include <Eigen/Core>
 #include <vector>
@@ -19,15 +19,8 @@ struct ScaledHodlr {
   int depth = 0;
   std::vector<Block> blocks;            ///< heap order
   std::vector<Eigen::MatrixXd> leaves;  ///< symmetric
-
-  /// y += factor S C~ S^T x; 3n x k.
-  void add_product(double factor, const Eigen::Ref<const Eigen::MatrixXd>& x,
-                   Eigen::Ref<Eigen::MatrixXd> y) const;
-  /// Norms of the columns.
-  Eigen::VectorXd column_norms() const;
 };
 
-ScaledHodlr scaled_hodlr(const HodlrMatrix& matrix, WorkerPool& pool);
 /// Of the integers: what a reader decodes, before the shift.
 ScaledHodlr scaled_hodlr(const HodlrMatrix& matrix, const QuantisedMatrix& quantised, WorkerPool& pool);
 

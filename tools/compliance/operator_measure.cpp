@@ -39,19 +39,16 @@ class OperatorMeasure final : public ErrorMeasure {
         pool_(pool),
         sampled_(matrix, nullptr, pool),
         scales_(ordered_scales(matrix)),
+        column_norms_(sampled_.column_norms()),
         signs_(random_signs(size(), probe_count)) {
     for (std::size_t leaf = 0; leaf < matrix.leaves.size(); ++leaf) {
       const MatrixXd own = sampled_.scaled_leaf(leaf);
       for (Eigen::Index a = 0; 3 * a < own.rows(); ++a)
         diagonal_factors_.push_back(Eigen::Matrix3d(own.block<3, 3>(3 * a, 3 * a)).llt().matrixL());
     }
+    floor_ = exact.least_share(scales_by_row());
     sampled_signs_ = MatrixXd::Zero(size(), probe_count);
     sampled_.add_product(1, signs_, sampled_signs_);
-    // Where single columns are promised, their norms have to be exact.
-    column_norms_ =
-        norm == ErrorNorm::worst_column
-            ? sampled_.column_norms()
-            : VectorXd((sampled_signs_.rowwise().squaredNorm() / double(probe_count)).cwiseSqrt());
   }
 
   void set_stored(const QuantisedMatrix& stored) override { stored_.emplace(matrix_, &stored, pool_); }
@@ -76,10 +73,18 @@ class OperatorMeasure final : public ErrorMeasure {
                       search_steps);
   }
 
+  bool knows_floor() const override { return floor_ > 0; }
+
   const VectorXd& column_norms() const override { return column_norms_; }
 
  private:
   Eigen::Index size() const { return 3 * Eigen::Index(order_.size()); }
+
+  std::vector<Eigen::Matrix3d> scales_by_row() const {
+    std::vector<Eigen::Matrix3d> scales(order_.size());
+    for (std::size_t p = 0; p < order_.size(); ++p) scales[std::size_t(order_[p])] = scales_[p];
+    return scales;
+  }
 
   // The operator counts rows, we positions.
   MatrixXd apply_exact(const MatrixXd& x) const {
@@ -102,7 +107,7 @@ class OperatorMeasure final : public ErrorMeasure {
           stored_->add_product(-1, x, y);
         },
         scales_, 0, steps);
-    return std::max(0.0, lanczos_margin * range.largest);
+    return std::max(0.0, lanczos_margin * range.largest - floor_);
   }
 
   template <class AddReference>
@@ -159,8 +164,9 @@ class OperatorMeasure final : public ErrorMeasure {
   WorkerPool& pool_;
   const HodlrView sampled_;
   const std::vector<Eigen::Matrix3d> scales_;
+  const VectorXd column_norms_;
   const MatrixXd signs_;
-  VectorXd column_norms_;
+  double floor_ = 0;  ///< C - floor S S^T is positive semi-definite
   std::optional<HodlrView> stored_;
   MatrixXd sampled_signs_, exact_signs_;
   std::vector<Eigen::Matrix3d> diagonal_factors_;

@@ -237,6 +237,7 @@ class Precompute {
     encode.tolerance = options_.tolerance - own_error;
     encode.norm = options_.norm;
     encode.threads = settings_.threads;
+    encode.factor_limit_bytes = std::min(encode.factor_limit_bytes, settings_.memory_limit_bytes);
     encode.progress = progress_.part(0.65, 1);
     encode.cancelled = settings_.cancelled;
     return encode;
@@ -315,7 +316,7 @@ class Precompute {
   Status check_solves(const ComplianceSystem& system, const SymmetricOperator& exact) {
     header_.error = {};
     if (const auto* solves = dynamic_cast<const SurfaceInverse*>(&exact))
-      header_.error.solve_residual = probe_solves(*solves);
+      header_.error.solve_residual = probe_solves(system, *solves);
     if (header_.error.solve_residual <= allowed_error()) return {};
     return make_issue(IssueCode::compliance_residual_too_large,
                       "solves leave a residual of " + scientific(header_.error.solve_residual),

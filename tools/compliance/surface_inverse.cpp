@@ -9,8 +9,9 @@
 namespace souple {
 namespace {
 
-// Right sides of one task of `apply`: wide enough for the products, narrow enough for the memory.
-constexpr Eigen::Index apply_columns = 16;
+// Right sides of one task of `apply`: wide enough for the products, narrow enough for the memory; few
+// right sides are shared out all the same.
+constexpr Eigen::Index apply_columns = 16, few_columns = 4;
 constexpr double apply_tolerance = 1e-11;
 // Conjugate gradients gain about six digits an iteration where single precision fits the matrix.
 constexpr int largest_iteration_count = 40;
@@ -146,18 +147,48 @@ double SurfaceInverse::apply_refined(std::span<const std::int64_t> places,
   return worst;
 }
 
+Eigen::MatrixXd SurfaceInverse::solution_on_free_nodes(const Work& work) const {
+  Eigen::MatrixXd u(work.solution.cols(), work.solution.rows());
+  for (std::size_t node = 0; node < matrix_.row.size(); ++node)
+    u.middleRows(3 * Eigen::Index(node), 3) =
+        work.solution.middleCols(matrix_.row[node], 3).transpose();
+  return u;
+}
+
 void SurfaceInverse::apply(const Eigen::Ref<const Eigen::MatrixXd>& x,
                            Eigen::Ref<Eigen::MatrixXd> y) const {
-  const Eigen::Index tasks = (x.cols() + apply_columns - 1) / apply_columns;
+  const Eigen::Index width = x.cols() > apply_columns ? apply_columns : few_columns;
+  const Eigen::Index tasks = (x.cols() + width - 1) / width;
   WorkerPool pool(threads_);
   std::vector<Work> work(pool.threads());
   pool.run(std::size_t(tasks), [&](std::size_t task, unsigned worker) {
-    const Eigen::Index begin = Eigen::Index(task) * apply_columns;
-    const Eigen::Index count = std::min(apply_columns, x.cols() - begin);
+    const Eigen::Index begin = Eigen::Index(task) * width;
+    const Eigen::Index count = std::min(width, x.cols() - begin);
     Eigen::MatrixXd part = x.middleCols(begin, count);
     apply_refined(places_, part, apply_tolerance, work[worker]);
     y.middleCols(begin, count) = part;
   });
+}
+
+double SurfaceInverse::least_share(std::span<const Eigen::Matrix3d> scales) const {
+  std::vector<const Eigen::Matrix3d*> scale_at(std::size_t(factor_->size()), nullptr);
+  for (std::size_t row = 0; row < places_.size(); ++row)
+    scale_at[std::size_t(places_[row])] = &scales[row];
+  double largest = 0;  // of the rows of S^T A S, no less than its largest eigenvalue
+  for (std::size_t k = 0; k < matrix_.row.size(); ++k) {
+    const Eigen::Matrix3d* own = scale_at[std::size_t(matrix_.row[k])];
+    if (!own) continue;
+    double sum = 0;
+    for (std::int64_t b = matrix_.row_begin[k]; b < matrix_.row_begin[k + 1]; ++b) {
+      const Eigen::Matrix3d* other = scale_at[std::size_t(matrix_.column[std::size_t(b)])];
+      if (!other) continue;
+      const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> block(matrix_.value.data() +
+                                                                                 9 * b);
+      sum += (own->transpose() * block * *other).norm();
+    }
+    largest = std::max(largest, sum);
+  }
+  return largest > 0 && std::isfinite(largest) ? 1 / largest : 0;
 }
 
 }  // namespace souple

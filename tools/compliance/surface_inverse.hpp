@@ -56,9 +56,14 @@ class SurfaceInverse final : public SymmetricOperator {
   /// The same in double; returns the largest relative residual of a column.
   double apply_refined(std::span<const std::int64_t> places, Eigen::Ref<Eigen::MatrixXd> x_and_y,
                        double tolerance, Work& work) const;
+  /// What the last apply_refined on `work` found for all free nodes, in their order: 3 free x k.
+  Eigen::MatrixXd solution_on_free_nodes(const Work& work) const;
 
   Index node_count() const override { return static_cast<Index>(places_.size()); }
   void apply(const Eigen::Ref<const Eigen::MatrixXd>& x, Eigen::Ref<Eigen::MatrixXd> y) const override;
+  /// From C^-1, a Schur complement, being no greater than A0 on the surface, and Gershgorin's theorem
+  /// for blocks.
+  double least_share(std::span<const Eigen::Matrix3d> scales) const override;
 
  private:
   SurfaceInverse() = default;

@@ -28,6 +28,11 @@ class SymmetricOperator {
   /// y = C x; x and y are 3n x k, rows in the order of the compliance's rows.
   virtual void apply(const Eigen::Ref<const Eigen::MatrixXd>& x,
                      Eigen::Ref<Eigen::MatrixXd> y) const = 0;
+  /// Some m >= 0 with C - m S S^T positive semi-definite, S = blockdiag of `scales` by rows; 0 where
+  /// none is known.
+  virtual double least_share(std::span<const Eigen::Matrix3d> scales) const;
 };
+
+inline double SymmetricOperator::least_share(std::span<const Eigen::Matrix3d>) const { return 0; }
 
 }  // namespace souple

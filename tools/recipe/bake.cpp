@@ -9,6 +9,7 @@
 #include <span>
 
 #include "formats/write/asset_writer.hpp"
+#include "runtime/multigrid/level_transitions.hpp"
 #include "tools/compliance/precompute.hpp"
 #include "tools/exchange/numbers.hpp"
 #include "tools/geometry/surface_measure.hpp"
@@ -43,7 +44,7 @@ CompliancePrecomputeOptions options_of(const ComplianceRequest& request, std::ve
   CompliancePrecomputeOptions options;
   options.name = request.name;
   options.kind = request.kind;
-  options.time_step_s = request.time_step_s;
+  options.time_step_s = euler_step(request);
   options.tolerance = request.tolerance;
   options.norm = choice<ErrorNorm>(error_norm_names(), request.error_norm);
   options.scalar = request.scalar;
@@ -152,6 +153,9 @@ Status finish_body(BodyMesh body, const Recipe& recipe, const std::string& gener
   asset.material = {std::move(regions->regions), std::move(regions->tet_region),
                     recipe.material.rayleigh_mass_per_s, recipe.material.rayleigh_stiffness_s};
   outcome.report.regions = std::move(regions->reports);
+  auto multigrid = stages.run("multigrid", [&] { return store_transitions(asset.levels); });
+  if (!multigrid) return multigrid.issue();
+  asset.multigrid = std::move(*multigrid);
   if (auto status = select_fixed_sets(recipe, asset); !status) return status;
   describe_scale(recipe, asset, outcome.report);
   if (recipe.surface.size_m == 0)

@@ -7,6 +7,7 @@
 
 #include "formats/core/limits.hpp"
 #include "formats/core/names.hpp"
+#include "runtime/world/integrator.hpp"
 #include "tools/exchange/nearest_name.hpp"
 #include "tools/exchange/strict_toml.hpp"
 #include "tools/exchange/tet_file.hpp"
@@ -166,16 +167,19 @@ void parse_storage(TomlTable& entry, ComplianceRequest& request) {
 
 ComplianceRequest parse_compliance(TomlTable& entry) {
   static const std::array<std::string, 2> kinds{"dynamic", "static"};
+  static const std::array<std::string, 2> integrators{"implicit_euler", "bdf2"};
   ComplianceRequest request;
   request.name = entry.plain_name("name").value_or(request.name);
   request.fixed = entry.plain_name("fixed").value_or("");
   if (entry.choice("kind", kinds).value_or("dynamic") == "static") {
     request.kind = ComplianceKind::static_equilibrium;
     request.time_step_s = 0;
-    if (entry.has("time_step_s"))
-      entry.refuse(IssueCode::usage_conflict, "a static compliance has no time step", "time_step_s");
+    for (const char* key : {"time_step_s", "integrator"})
+      if (entry.has(key))
+        entry.refuse(IssueCode::usage_conflict, "a static compliance has no time step", key);
   } else {
     request.time_step_s = entry.number("time_step_s", time_step_range).value_or(request.time_step_s);
+    request.integrator = entry.choice("integrator", integrators).value_or(request.integrator);
   }
   parse_storage(entry, request);
   if (entry.has("nodes")) {
@@ -219,11 +223,12 @@ std::string selection_text(const ComplianceRequest& request) {
 }
 
 /// Whether a scene could not tell the two apart: a compliance serves the ratio a_M : a_K of its system,
-/// and within one recipe that is its kind and time step (a_M / a_K falls as h grows).
+/// and within one recipe that is its kind and the time step of implicit Euler (a_M / a_K falls as it
+/// grows).
 bool serve_the_same(const ComplianceRequest& a, const ComplianceRequest& b) {
   constexpr double same_step = 1e-9;
   return a.kind == b.kind && a.fixed == b.fixed && a.coarsening == b.coarsening &&
-         std::abs(a.time_step_s - b.time_step_s) <= same_step * a.time_step_s &&
+         std::abs(euler_step(a) - euler_step(b)) <= same_step * euler_step(a) &&
          a.tolerance == b.tolerance &&
          (a.tolerance > 0 ? a.error_norm == b.error_norm : a.scalar == b.scalar) &&
          selection_text(a) == selection_text(b);
@@ -323,6 +328,10 @@ std::int64_t chosen_levels(const Recipe& recipe) {
   if (keeps_given_tets(recipe)) return 1;
   const std::int64_t tets = chosen_tets(recipe);
   return tets == 0 || tets >= 8 * shape_holding_tets ? 2 : 1;
+}
+
+double euler_step(const ComplianceRequest& request) {
+  return request.integrator == "bdf2" ? euler_step_of_bdf2(request.time_step_s) : request.time_step_s;
 }
 
 Result<Recipe> parse_recipe(std::string_view text, const std::string& name) {

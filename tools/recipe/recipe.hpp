@@ -103,7 +103,10 @@ struct ComplianceRequest {
   std::string name = "default";
   ComplianceKind kind = ComplianceKind::dynamic_step;
   double time_step_s = 0.01;  ///< 0 if static
-  std::string fixed;          ///< name of a fixed set; empty: none
+  /// "implicit_euler", or "bdf2", whose system is that of implicit Euler with two thirds of the step;
+  /// the asset states that step.
+  std::string integrator = "implicit_euler";
+  std::string fixed;  ///< name of a fixed set; empty: none
   /// Largest error of what is stored, measured in `error_norm`; 0: dense, exact to `scalar`.
   double tolerance = 1e-3;
   std::string error_norm = "scaled-spectral";  ///< "scaled-spectral", "frobenius", "worst-column"
@@ -112,6 +115,9 @@ struct ComplianceRequest {
   std::int64_t coarsening = 0;                 ///< 1: the compliance of the level below
   std::string way = "auto";                    ///< "auto", "dense", "by-solves"
 };
+
+/// The step of implicit Euler that has the system of this request; 0 if static.
+double euler_step(const ComplianceRequest& request);
 
 struct Recipe {
   SurfaceSettings surface;

@@ -93,7 +93,8 @@ std::string compliance_text(const ComplianceRequest& request) {
   if (request.kind == ComplianceKind::static_equilibrium)
     text += "kind = \"static\"\n";
   else
-    text += "kind = \"dynamic\"\ntime_step_s = " + exact_text(request.time_step_s) + "\n";
+    text += "kind = \"dynamic\"\ntime_step_s = " + exact_text(request.time_step_s) +
+            "\nintegrator = " + toml_text(request.integrator) + "\n";
   if (!request.fixed.empty()) text += "fixed = " + toml_text(request.fixed) + "\n";
   text += "tolerance = " + exact_text(request.tolerance) + "\n";
   if (request.tolerance > 0)

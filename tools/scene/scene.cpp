@@ -1,43 +1,63 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/scene/scene.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "tools/exchange/strict_toml.hpp"
+#include "tools/scene/scene_parts.hpp"
 
 namespace souple {
 namespace {
 
 constexpr std::size_t body_limit = 10000;
-constexpr std::size_t keyframe_limit = 100000;
 
 // Wide enough for any scene, narrow enough that no product of two of them overflows.
-constexpr NumberRange coordinate_range{-1e6, 1e6};
 constexpr NumberRange speed_range{-1e6, 1e6};
 constexpr NumberRange length_range{0, 1e6, true};
 constexpr NumberRange tolerance_range{1e-15, 0.5};
 constexpr std::int64_t iteration_limit = 1'000'000;
 
 const std::array<std::string, 2> contact_methods{"warped", "exact"};
+const std::array<std::string, 2> unconverged_steps{"keep_best", "refuse"};
+const std::array<std::string, 4> integrators{"implicit_euler", "bdf2", "quasi_static",
+                                             "explicit_euler"};
 const std::array<std::string, 2> body_kinds{"soft", "rigid"};
-constexpr std::array<std::string_view, 12> body_keys{
-    "kind",  "name",  "asset",    "position", "rotation", "velocity", "angular_velocity",
-    "fixed", "shape", "radius_m", "size_m",   "keyframes"};
+constexpr std::array<std::string_view, 14> body_keys{
+    "kind",  "name",  "asset",    "position", "rotation",  "velocity", "angular_velocity",
+    "fixed", "shape", "radius_m", "size_m",   "keyframes", "driven",   "load"};
 const std::array<std::string, 3> shape_kinds{"plane", "sphere", "box"};
 const std::array<std::string, 2> frame_contents{"tets", "surface"};
+
+const std::vector<std::string>& solver_choices() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const auto& known : solver_names) list.emplace_back(known.name);
+    return list;
+  }();
+  return names;
+}
 
 WorldSettings parse_world(TomlTable world) {
   WorldSettings s;
   world.require("time_step_s", "the length of a step; an asset holds compliances for some steps only");
   s.time_step_s = world.number("time_step_s", {1e-7, 10}).value_or(s.time_step_s);
+  if (const auto integrator = world.choice("integrator", integrators))
+    s.integrator =
+        static_cast<Integrator>(std::ranges::find(integrators, *integrator) - integrators.begin());
+  if (s.integrator == Integrator::explicit_euler) s.contact_method = ContactMethod::exact;
   s.gravity_m_s2 = world.point("gravity", {-1e4, 1e4}).value_or(s.gravity_m_s2);
   s.friction = world.number("friction", {0, 10}).value_or(s.friction);
   s.alarm_distance_m = world.number("alarm_distance_m", {0, 1e6}).value_or(s.alarm_distance_m);
-  if (world.choice("contact_method", contact_methods).value_or("warped") == "exact")
-    s.contact_method = ContactMethod::exact;
+  if (const auto method = world.choice("contact_method", contact_methods)) {
+    if (*method == "exact") s.contact_method = ContactMethod::exact;
+    if (*method == "warped" && s.integrator == Integrator::explicit_euler)
+      world.refuse(IssueCode::usage_conflict,
+                   "the explicit integrator has no compliance that could be warped", "contact_method",
+                   "Leave it out: explicit steps use the exact one, which is diagonal.");
+  }
   s.feed_forward_forces = world.flag("feed_forward_forces").value_or(s.feed_forward_forces);
   auto& contact = s.contact_solver;
   contact.tolerance = world.number("contact_tolerance", tolerance_range).value_or(contact.tolerance);
@@ -46,46 +66,14 @@ WorldSettings parse_world(TomlTable world) {
   s.contact_passes =
       static_cast<int>(world.integer("contact_passes", 1, 20).value_or(s.contact_passes));
   auto& free = s.free_motion;
+  if (const auto solver = world.choice("solver", solver_choices()))
+    free.solver = solver_of_name(*solver).value_or(free.solver);
+  if (world.choice("solver_unconverged", unconverged_steps).value_or("keep_best") == "refuse")
+    free.unconverged = UnconvergedStep::refuse;
   free.tolerance = world.number("solver_tolerance", tolerance_range).value_or(free.tolerance);
   free.max_iterations = static_cast<int>(
       world.integer("solver_max_iterations", 1, iteration_limit).value_or(free.max_iterations));
   return s;
-}
-
-/// {axis, angle_deg} or {quaternion = [w, x, y, z]}; normalised.
-std::array<double, 4> parse_rotation(TomlTable rotation) {
-  const auto given = rotation.numbers("quaternion", 4, {-1e6, 1e6});
-  const auto axis = rotation.point("axis", {-1e6, 1e6});
-  const auto angle_deg = rotation.number("angle_deg", {-1e6, 1e6});
-  if (given && (axis || angle_deg))
-    rotation.refuse(IssueCode::usage_conflict, "a quaternion and an axis were given", "quaternion");
-  if (axis.has_value() != angle_deg.has_value())
-    rotation.refuse(IssueCode::config_missing_key, "axis and angle_deg belong together",
-                    axis ? "angle_deg" : "axis");
-  std::array<double, 4> q{1, 0, 0, 0};
-  if (given) q = {(*given)[0], (*given)[1], (*given)[2], (*given)[3]};
-  if (axis && angle_deg) {
-    const double half = *angle_deg * std::numbers::pi / 360;
-    const double length = std::hypot((*axis)[0], (*axis)[1], (*axis)[2]);
-    // A zero axis gives NaN and is refused below with the quaternions of no length.
-    const double s = std::sin(half) / length;
-    q = {std::cos(half), s * (*axis)[0], s * (*axis)[1], s * (*axis)[2]};
-  }
-  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-  if (!(norm > 1e-9)) {
-    rotation.refuse(IssueCode::config_bad_value, "the rotation has no direction",
-                    given ? "quaternion" : "axis");
-    return {1, 0, 0, 0};
-  }
-  for (double& component : q) component /= norm;
-  return q;
-}
-
-Pose parse_pose(TomlTable& table) {
-  Pose pose;
-  pose.translation = table.point("position", coordinate_range).value_or(Point{});
-  pose.rotation = parse_rotation(table.table("rotation"));
-  return pose;
 }
 
 SceneSoftBody parse_soft_body(TomlTable& entry) {
@@ -97,6 +85,8 @@ SceneSoftBody parse_soft_body(TomlTable& entry) {
   body.description.angular_velocity_rad_s =
       entry.point("angular_velocity", speed_range).value_or(Point{});
   body.description.fixed_set = entry.plain_name("fixed").value_or("");
+  body.description.driven = parse_driven(entry);
+  body.loads = parse_loads(entry);
   return body;
 }
 
@@ -115,25 +105,6 @@ RigidShape parse_shape(TomlTable& entry) {
     for (double& side : shape.half_extents_m) side /= 2;
   }
   return shape;
-}
-
-std::vector<Keyframe> parse_path(TomlTable& entry) {
-  std::vector<TomlTable> frames = entry.tables("keyframes");
-  if (frames.empty()) return {Keyframe{0, parse_pose(entry)}};
-  if (frames.size() > keyframe_limit)
-    entry.refuse(IssueCode::config_bad_value,
-                 "more than " + std::to_string(keyframe_limit) + " keyframes", "keyframes");
-  if (entry.has("position") || entry.has("rotation"))
-    entry.refuse(IssueCode::usage_conflict, "a pose and keyframes were given", "keyframes");
-  std::vector<Keyframe> path;
-  for (TomlTable& frame : frames) {
-    frame.require("time_s", "when the body is at this pose");
-    const double time_s = frame.number("time_s", {0, 1e6}).value_or(0);
-    if (!path.empty() && time_s <= path.back().time_s)
-      frame.refuse(IssueCode::config_bad_value, "the times of keyframes have to ascend", "time_s");
-    path.push_back({time_s, parse_pose(frame)});
-  }
-  return path;
 }
 
 SceneBody parse_body(TomlTable& entry, std::size_t number) {
@@ -219,6 +190,10 @@ const std::string& scene_body_name(const SceneBody& body) {
 
 std::string_view contact_method_name(ContactMethod method) {
   return contact_methods[static_cast<std::size_t>(method)];
+}
+
+std::string_view integrator_name(Integrator integrator) {
+  return integrators[static_cast<std::size_t>(integrator)];
 }
 
 }  // namespace souple

@@ -3,19 +3,37 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
 #include "formats/core/result.hpp"
+#include "runtime/world/loads.hpp"
 #include "runtime/world/settings.hpp"
 
 namespace souple {
 
+/// Where a load acts, in metres in the frame of the body at rest; nothing given: on the whole boundary.
+struct LoadPlace {
+  std::string set;             ///< a node set of the asset
+  std::optional<Point> point;  ///< the nearest point of the boundary
+  struct Box {
+    Point min{}, max{};
+  };
+  std::optional<Box> box;
+};
+
+struct SceneLoad {
+  LoadDescription load;  ///< without nodes and triangles, which the asset decides
+  LoadPlace place;
+};
+
 struct SceneSoftBody {
   SoftBodyDescription description;
   std::filesystem::path asset;
+  std::vector<SceneLoad> loads;
 };
 
 using SceneBody = std::variant<SceneSoftBody, RigidBodyDescription>;
@@ -44,5 +62,6 @@ Result<Scene> read_scene(const std::filesystem::path& file);
 
 const std::string& scene_body_name(const SceneBody& body);
 std::string_view contact_method_name(ContactMethod method);
+std::string_view integrator_name(Integrator integrator);
 
 }  // namespace souple

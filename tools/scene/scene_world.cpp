@@ -8,9 +8,11 @@
 #include <set>
 
 #include "runtime/load/load_soft_body.hpp"
+#include "runtime/world/integrator.hpp"
 #include "runtime/world/soft_body_asset.hpp"
 #include "tools/exchange/nearest_name.hpp"
 #include "tools/exchange/numbers.hpp"
+#include "tools/scene/scene_loads.hpp"
 
 namespace souple {
 namespace {
@@ -50,28 +52,44 @@ Status check_fixed_set(const AssetReader& reader, const std::string& fixed,
                     file.string());
 }
 
-Issue no_match(const std::vector<ComplianceHeader>& headers, double time_step_s,
+/// What the scene asks a compliance for.
+struct AskedCompliance {
+  Integrator integrator = Integrator::implicit_euler;
+  double time_step_s = 0;
+  SystemFactors factors;
+};
+
+std::string describe(const AskedCompliance& asked) {
+  const std::string step = rounded_text(asked.time_step_s, 9) + " s";
+  if (asked.integrator == Integrator::quasi_static) return "a static compliance";
+  if (asked.integrator == Integrator::bdf2)
+    return "the dynamic compliance of BDF2 with time step " + step + ", which is that of time step " +
+           rounded_text(euler_step_of_bdf2(asked.time_step_s), 9) + " s,";
+  return "a dynamic compliance with time step " + step;
+}
+
+Issue no_match(const std::vector<ComplianceHeader>& headers, const AskedCompliance& asked,
                const std::string& fixed, const std::filesystem::path& file) {
   std::string held;
   for (const auto& header : headers) held += (held.empty() ? "" : ", ") + describe(header);
   return make_issue(IssueCode::scene_no_matching_compliance,
-                    "the scene asks for a dynamic compliance with time step " +
-                        rounded_text(time_step_s, 9) + " s and " +
+                    "the scene asks for " + describe(asked) + " and " +
                         (fixed.empty() ? "nothing fixed" : "\"" + fixed + "\" fixed") +
                         "; the asset has " + (held.empty() ? "none at all" : held),
                     file.string());
 }
 
-/// The first variant for this step and fixed set, or an issue.
-Result<std::string> matching_variant(const std::vector<ComplianceHeader>& headers, double asked_ratio,
-                                     double time_step_s, const std::string& fixed,
+/// The first variant for this system and fixed set, or an issue.
+Result<std::string> matching_variant(const std::vector<ComplianceHeader>& headers,
+                                     const AskedCompliance& asked, const std::string& fixed,
                                      const std::filesystem::path& file) {
+  const double wanted = asked.factors.mass / asked.factors.stiffness;
   for (const auto& header : headers) {
-    if (header.kind != ComplianceKind::dynamic_step || header.fixed_set != fixed) continue;
+    if (header.fixed_set != fixed) continue;
     const double ratio = header.mass_factor / header.stiffness_factor;
-    if (std::abs(ratio - asked_ratio) <= ratio_tolerance * asked_ratio) return header.name;
+    if (std::abs(ratio - wanted) <= ratio_tolerance * wanted) return header.name;
   }
-  return no_match(headers, time_step_s, fixed, file);
+  return no_match(headers, asked, fixed, file);
 }
 
 /// Names of the variants that the bodies of one asset need.
@@ -82,14 +100,15 @@ Result<std::vector<std::string>> variants_for(AssetReader& reader, const WorldSe
   if (!headers) return headers.issue();
   const auto material = reader.read_material();
   if (!material) return material.issue();
-  const double h = settings.time_step_s;
-  const double ratio =
-      (1 / (h * h) + material->rayleigh_mass_per_s / h) / (1 + material->rayleigh_stiffness_s / h);
+  const AskedCompliance asked{
+      settings.integrator, settings.time_step_s,
+      system_factors(settings.integrator, settings.time_step_s, material->rayleigh_mass_per_s,
+                     material->rayleigh_stiffness_s)};
   std::vector<std::string> names;
   for (const std::string& fixed : fixed_sets) {
     if (auto status = check_fixed_set(reader, fixed, file); !status) return status.issue();
     if (settings.contact_method == ContactMethod::exact) continue;
-    auto name = matching_variant(*headers, ratio, h, fixed, file);
+    auto name = matching_variant(*headers, asked, fixed, file);
     if (!name) return name.issue();
     names.push_back(std::move(*name));
   }
@@ -121,6 +140,15 @@ Result<LoadedAsset> load_asset(const std::filesystem::path& file, const WorldSet
   return loaded;
 }
 
+Status add_loads(World& world, BodyId body, const SceneSoftBody& soft) {
+  for (const SceneLoad& one : soft.loads) {
+    const auto load = place_load(one, world.asset(body), soft.description.name);
+    if (!load) return load.issue();
+    if (auto added = world.add_load(body, *load); !added) return added.issue();
+  }
+  return {};
+}
+
 Issue in_file(Issue issue, const std::filesystem::path& file) {
   if (issue.where.empty()) issue.where = file.string();
   return issue;
@@ -150,6 +178,8 @@ Result<SceneWorld> build_world(const Scene& scene) {
                   : built.world.add_rigid_body(std::get<RigidBodyDescription>(body));
     if (!id) return id.issue();
     built.bodies.push_back(*id);
+    if (soft != nullptr)
+      if (auto status = add_loads(built.world, *id, *soft); !status) return status.issue();
   }
   return built;
 }

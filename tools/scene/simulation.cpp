@@ -113,6 +113,7 @@ class Collector {
     report.contact_residual.meet(step.contact_residual, number);
     report.free_motion_residual.meet(step.free_motion_residual, number);
     report.contact_sweeps.meet(step.contact_sweeps, number);
+    report.unconverged_count.meet(step.unconverged_count, number);
     report.last = step;
     report.simulated_s = time_s;
     if (number % report.sample_stride == 0) report.samples.push_back({number, time_s, step});

@@ -56,6 +56,7 @@ struct SimulationReport {
   double mean_contact_count = 0;
   Worst penetration_m, surface_depth_m, cone_violation, contact_residual, free_motion_residual;
   Worst contact_sweeps;
+  Worst unconverged_count;  ///< solves of a step that missed their tolerance
   StepReport last;
   std::int64_t sample_stride = 1;
   std::vector<SimulationSample> samples;  ///< at most about 2000

@@ -33,6 +33,11 @@ void check_parents(const MeshLevel& coarse, const MeshLevel& fine, const std::st
 void check_level_places(const MeshLevel& coarse, const MeshLevel& fine, const std::string& where,
                         IssueList& issues);
 
+/// Prolongation, pattern and plan can be followed: indices in range, lists as long as they say. That
+/// they are those of the levels is for the simulation to check, which has the matrix.
+void check_transition(const LevelTransition& transition, std::size_t fine_nodes,
+                      std::size_t coarse_nodes, const std::string& where, IssueList& issues);
+
 /// One row per point, tets in range, weights finite and of sum 1.
 void check_embedding(const std::vector<Embedding>& rows, std::size_t point_count, std::size_t tet_count,
                      const std::string& where, IssueList& issues);

@@ -103,6 +103,26 @@ Result<MeshLevel> read_level(const GroupReader& group, const MeshCounts& coarse)
   return checked(std::move(level), issues);
 }
 
+Result<LevelTransition> read_transition(const GroupReader& group, const MeshCounts& fine,
+                                        const MeshCounts& coarse) {
+  LevelTransition t;
+  Status status;
+  constexpr std::uint64_t most = limits::plan_rows;
+  const bool read =
+      take(read_rows<Index>(group, layout::row_begin, most), t.row_begin, status) &&
+      take(read_rows<Index>(group, layout::column, most), t.column, status) &&
+      take(read_rows<double>(group, layout::weight, most), t.weight, status) &&
+      take(read_rows<Index>(group, layout::pattern_begin, most), t.pattern_begin, status) &&
+      take(read_rows<Index>(group, layout::pattern_column, most), t.pattern_column, status) &&
+      take(read_rows<std::array<Index, 4>>(group, layout::plan_pieces, most), t.pieces, status) &&
+      take(read_rows<std::array<std::uint8_t, 4>>(group, layout::plan_slots, most), t.slots, status) &&
+      take(read_rows<std::array<Index, 4>>(group, layout::plan_targets, most), t.targets, status);
+  if (!read) return status.issue();
+  IssueList issues = first_issue_only();
+  checks::check_transition(t, fine.nodes, coarse.nodes, group.where(), issues);
+  return checked(std::move(t), issues);
+}
+
 Result<VisualMesh> read_visual(const GroupReader& group, const MeshCounts& finest) {
   VisualMesh visual;
   Status status;

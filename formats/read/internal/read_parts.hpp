@@ -24,6 +24,8 @@ Result<LevelTies> read_level_ties(const GroupReader& level);
 Result<MeshLevel> read_level_mesh(const GroupReader& level);
 /// All of it; `coarse` is {0, 0} for level 0.
 Result<MeshLevel> read_level(const GroupReader& level, const MeshCounts& coarse);
+Result<LevelTransition> read_transition(const GroupReader& group, const MeshCounts& fine,
+                                        const MeshCounts& coarse);
 Result<VisualMesh> read_visual(const GroupReader& visual, const MeshCounts& finest);
 Result<Material> read_material(const GroupReader& material, const MeshCounts& finest);
 Result<FixedSet> read_fixed_set(const GroupReader& set, std::string name, const MeshCounts& finest);

@@ -85,7 +85,7 @@ TEST(HalfFactor, SolvesToAThousandthOfTheLargestEntry) {
     HalfFactor half;
     ASSERT_TRUE(half.create(f.a, f.mesh.nodes, f.inner));
     SparseFactor exact;
-    exact.analyze(&f.model.pattern(), half.order());
+    exact.analyze(f.model.pattern(), f.model.rest_positions(), half.order());
     ASSERT_TRUE(exact.factorize(f.a));
     ASSERT_EQ(half.size(), std::size_t(exact.size()));
     std::mt19937 random(4);

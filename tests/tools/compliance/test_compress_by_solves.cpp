@@ -13,6 +13,7 @@
 
 #include "runtime/fem/corotational_model.hpp"
 #include "tests/support/box_mesh.hpp"
+#include "tools/compliance/compliance_probes.hpp"
 #include "tools/compliance/hodlr_matrix.hpp"
 #include "tools/compliance/node_scale.hpp"
 #include "tools/compliance/peeling.hpp"
@@ -322,6 +323,26 @@ TEST(SelectedInverse, GivesTheDiagonalBlocks) {
     const Mat3 exact = body.c.block<3, 3>(3 * Eigen::Index(k), 3 * Eigen::Index(k));
     EXPECT_LE((blocks[k] / (*inverse)->factor().unit() - exact).norm(), 1e-5 * exact.norm());
   }
+}
+
+TEST(SolveProbes, MeasureTheSystemAndNotWhatTheSolverSaysOfItself) {
+  const Body& body = free_body();
+  const auto inverse =
+      SurfaceInverse::create(body.a0, body.free_nodes, body.surface, {std::size_t{1} << 30, 2, {}, {}});
+  ASSERT_TRUE(inverse.ok());
+  ComplianceSystem system;
+  system.pattern = std::make_unique<BlockPattern>(body.model->pattern());
+  system.a0 = std::make_unique<BlockMatrix>(*system.pattern);
+  system.a0->values = body.a0.values;
+  system.free_nodes = body.free_nodes;
+  system.nodes = body.surface;
+  for (const Index node : body.surface)
+    system.chosen.push_back(
+        Index(std::ranges::lower_bound(body.free_nodes, node) - body.free_nodes.begin()));
+  EXPECT_LE(probe_solves(system, **inverse), 1e-9);
+  // Another matrix than the one that was factorised: A u - f = 1e-3 f.
+  for (double& value : system.a0->values) value *= 1.001;
+  EXPECT_NEAR(probe_solves(system, **inverse), 1e-3, 1e-9);
 }
 
 TEST(Peeling, RecoversAHierarchicalMatrixFromProductsAlone) {

@@ -171,6 +171,23 @@ TEST(Recipe, RefusesTwoCompliancesThatScenesCouldNotTellApart) {
     EXPECT_EQ(two("", other), IssueCode{}) << other;
 }
 
+TEST(Recipe, AComplianceForBdf2IsThatOfTwoThirdsOfAnEulerStep) {
+  const std::string surface = "[surface]\nfile = \"a.obj\"\n";
+  const auto recipe =
+      parse_recipe(surface + "[[compliance]]\nintegrator = \"bdf2\"\ntime_step_s = 0.015\n", "r.toml");
+  ASSERT_TRUE(recipe.ok()) << format_issue(recipe.issue());
+  EXPECT_EQ(recipe->compliances[0].time_step_s, 0.015);
+  EXPECT_DOUBLE_EQ(euler_step(recipe->compliances[0]), 0.01);
+  EXPECT_EQ(code_of(surface + "[[compliance]]\nname = \"a\"\nintegrator = \"bdf2\"\n"
+                              "time_step_s = 0.015\n[[compliance]]\nname = \"b\"\n"),
+            IssueCode::recipe_same_compliance)
+      << "b is of 0.01 s";
+  EXPECT_EQ(code_of(surface + "[[compliance]]\nintegrator = \"explicit_euler\""),
+            IssueCode::config_bad_value);
+  EXPECT_EQ(code_of(surface + "[[compliance]]\nkind = \"static\"\nintegrator = \"bdf2\""),
+            IssueCode::usage_conflict);
+}
+
 TEST(Recipe, CompliancesThatWereStoredDenseAreBakedDenseAgain) {
   const auto old = parse_recipe(
       "[surface]\nfile = \"a.obj\"\n[[compliance]]\nname = \"x\"\nkind = \"dynamic\"\n"

@@ -27,6 +27,8 @@ contact_tolerance = 1e-7
 contact_max_sweeps = 50
 contact_passes = 3
 solver_tolerance = 1e-6
+solver = "warped_pcg"
+solver_unconverged = "refuse"
 solver_max_iterations = 200
 feed_forward_forces = false
 [[body]]
@@ -65,6 +67,8 @@ plane_size_m = 2
   EXPECT_EQ(scene->world.contact_solver.max_sweeps, 50);
   EXPECT_EQ(scene->world.contact_passes, 3);
   EXPECT_EQ(scene->world.free_motion.tolerance, 1e-6);
+  EXPECT_EQ(scene->world.free_motion.solver, SolverKind::warped_pcg);
+  EXPECT_EQ(scene->world.free_motion.unconverged, UnconvergedStep::refuse);
   EXPECT_FALSE(scene->world.feed_forward_forces);
   const auto& liver = std::get<SceneSoftBody>(scene->bodies[0]);
   EXPECT_EQ(liver.description.fixed_set, "foot");
@@ -79,6 +83,84 @@ plane_size_m = 2
   EXPECT_EQ(ball.path[1].pose.rotation, (std::array<double, 4>{0, 0, 0, 1}));
   EXPECT_EQ(scene->output.frames_every, 5);
   EXPECT_EQ(scene->output.content, FrameContent::surface);
+}
+
+const std::string soft = world + "[[body]]\nkind = \"soft\"\nasset = \"a.souple\"\n";
+
+TEST(Scene, ReadsIntegratorsDrivenNodesAndLoads) {
+  const auto scene = parse_scene(R"(
+[world]
+time_step_s = 0.01
+integrator = "bdf2"
+[[body]]
+kind = "soft"
+asset = "bar.souple"
+fixed = "ends"
+driven = [{ set = "tip", keyframes = [{ time_s = 0 }, { time_s = 1, position = [0, 0, 1] }] }]
+[[body.load]]
+kind = "force"
+set = "tip"
+vector = [1, 2, 3]
+follows = true
+[[body.load]]
+name = "poke"
+kind = "force"
+point = [0, 0, 0.1]
+keyframes = [{ time_s = 0.5, vector = [0, 0, 0] }, { time_s = 1, vector = [0, 0, -1] }]
+[[body.load]]
+kind = "pressure"
+pressure_pa = 50
+[[body.load]]
+kind = "traction"
+box = { min = [0, 0, 0], max = [1, 1, 1] }
+vector = [0, 0, 9]
+)",
+                                 "s.toml");
+  ASSERT_TRUE(scene.ok()) << format_issue(scene.issue());
+  EXPECT_EQ(scene->world.integrator, Integrator::bdf2);
+  const auto& bar = std::get<SceneSoftBody>(scene->bodies[0]);
+  ASSERT_EQ(bar.description.driven.size(), 1u);
+  EXPECT_EQ(bar.description.driven[0].name, "tip");
+  EXPECT_EQ(bar.description.driven[0].path[1].pose.translation, (Point{0, 0, 1}));
+  ASSERT_EQ(bar.loads.size(), 4u);
+  EXPECT_EQ(bar.loads[0].load.kind, LoadKind::node_force);
+  EXPECT_TRUE(bar.loads[0].load.follows);
+  EXPECT_EQ(bar.loads[1].load.kind, LoadKind::point_force);
+  EXPECT_EQ(bar.loads[1].load.name, "poke");
+  EXPECT_EQ(bar.loads[1].load.course[1].vector, (Point{0, 0, -1}));
+  EXPECT_TRUE(bar.loads[2].load.follows) << "a pressure is normal to what it presses on";
+  EXPECT_EQ(bar.loads[2].load.course[0].pressure_pa, 50);
+  EXPECT_EQ(bar.loads[3].place.box->max, (Point{1, 1, 1}));
+}
+
+TEST(Scene, RefusesLoadsAndDrivenNodesThatContradictThemselves) {
+  EXPECT_EQ(code_of(soft), IssueCode{});
+  const auto load = [](const std::string& text) { return code_of(soft + "[[body.load]]\n" + text); };
+  EXPECT_EQ(load("kind = \"pressure\"\npressure_pa = 1"), IssueCode{});
+  EXPECT_EQ(load("kind = \"pressure\""), IssueCode::config_missing_key);
+  EXPECT_EQ(load("pressure_pa = 1"), IssueCode::config_missing_key);
+  EXPECT_EQ(load("kind = \"pressure\"\npressure_pa = nan"), IssueCode::config_bad_value);
+  EXPECT_EQ(load("kind = \"pressure\"\nvector = [0, 0, 1]\npressure_pa = 1"),
+            IssueCode::config_unknown_key);
+  EXPECT_EQ(load("kind = \"force\"\nvector = [0, 0, 1]"), IssueCode::config_missing_key);
+  EXPECT_EQ(load("kind = \"force\"\nvector = [0, 0, 1e300]\nset = \"a\""), IssueCode::config_bad_value);
+  EXPECT_EQ(load("kind = \"force\"\nvector = [0, 0, 1]\nset = \"a\"\npoint = [0, 0, 0]"),
+            IssueCode::usage_conflict);
+  EXPECT_EQ(load("kind = \"traction\"\nvector = [0, 0, 1]\npoint = [0, 0, 0]"),
+            IssueCode::usage_conflict);
+  EXPECT_EQ(load("kind = \"pressure\"\nkeyframes = [{time_s = 1, pressure_pa = 1}, "
+                 "{time_s = 1, pressure_pa = 1}]"),
+            IssueCode::config_bad_value);
+  EXPECT_EQ(load("kind = \"pressure\"\npressure_pa = 1\nkeyframes = [{time_s = 1, pressure_pa = 1}]"),
+            IssueCode::usage_conflict);
+  EXPECT_EQ(code_of(soft + "driven = [{ keyframes = [{ time_s = 0 }] }]"),
+            IssueCode::config_missing_key);
+  EXPECT_EQ(code_of(soft + "driven = [{ set = \"a\", speed = 1 }]"), IssueCode::config_unknown_key);
+  const std::string plane = "[[body]]\nkind = \"rigid\"\nshape = \"plane\"\n";
+  EXPECT_EQ(code_of(world + "integrator = \"leapfrog\"\n" + plane), IssueCode::config_bad_value);
+  EXPECT_EQ(code_of(world + "integrator = \"explicit_euler\"\n" + plane), IssueCode{});
+  EXPECT_EQ(code_of(world + "integrator = \"explicit_euler\"\ncontact_method = \"warped\"\n" + plane),
+            IssueCode::usage_conflict);
 }
 
 TEST(Scene, RefusesWhatIsMissing) {
@@ -115,7 +197,8 @@ TEST(Scene, RefusesNumbersThatNoWorldCouldUse) {
         << line;
   for (const char* line : {"friction = -0.1", "friction = inf", "gravity = [0, 0]",
                            "gravity = [0, 0, nan]", "contact_max_sweeps = 0", "contact_passes = 0",
-                           "contact_passes = 21", "contact_method = \"magic\"", "solver_tolerance = 0"})
+                           "contact_passes = 21", "contact_method = \"magic\"", "solver = \"magic\"",
+                           "solver_unconverged = \"hope\"", "solver_tolerance = 0"})
     EXPECT_EQ(code_of(world + line + "\n" + plane), IssueCode::config_bad_value) << line;
   for (const char* line :
        {"position = [0, 0, 1e300]", "rotation = { axis = [0, 0, 0], angle_deg = 90 }",

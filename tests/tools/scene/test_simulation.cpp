@@ -7,9 +7,13 @@
 #include <filesystem>
 #include <limits>
 
+#include <atomic>
+
 #include "runtime/world/soft_body_asset.hpp"
 #include "tests/support/box_mesh.hpp"
 #include "tools/exchange/atomic_file.hpp"
+#include "tools/scene/job_pool.hpp"
+#include "tools/scene/scene_loads.hpp"
 
 namespace souple {
 namespace {
@@ -105,6 +109,50 @@ TEST_F(Simulation, BoundsItsSamplesHoweverManyStepsItRuns) {
   EXPECT_EQ(report.sample_stride, 3);
   EXPECT_EQ(report.samples.size(), 1333u);
   EXPECT_EQ(report.samples.back().step, 3999);
+}
+
+TEST(JobPool, RunsEveryJobOnceForAnyNumberOfThreadsAndOfJobs) {
+  for (const unsigned threads : {1U, 2U, 5U}) {
+    JobPool pool(threads);
+    for (std::size_t count = 0; count < 200; ++count) {
+      std::vector<std::atomic<int>> runs(count);
+      pool.run(count, [&](std::size_t k) { ++runs[k]; });
+      for (const auto& times : runs) ASSERT_EQ(times.load(), 1);
+    }
+  }
+}
+
+TEST_F(Simulation, LoadsFindTheirNodesAndTriangles) {
+  SceneWorld built = build();
+  const SoftBodyAsset& box = built.world.asset(built.bodies[0]);
+  SceneLoad load;
+  load.load.kind = LoadKind::traction;
+  load.place.box = {{-1, -1, 0.0999}, {1, 1, 1}};
+  const auto top = place_load(load, box, "box");
+  ASSERT_TRUE(top.ok());
+  EXPECT_EQ(top->triangles.size(), 8u) << "two for each of the 2 x 2 cells of the top";
+  load.load.kind = LoadKind::node_force;
+  const auto nodes = place_load(load, box, "box");
+  ASSERT_TRUE(nodes.ok());
+  EXPECT_EQ(nodes->nodes.size(), 9u);
+  load.place.box.reset();
+  load.place.point = Point{0.02, 0.03, 0.5};
+  load.load.kind = LoadKind::point_force;
+  const auto point = place_load(load, box, "box");
+  ASSERT_TRUE(point.ok());
+  Vec3 found = Vec3::Zero();
+  for (std::size_t k = 0; k < 3; ++k)
+    found += point->weight[k] *
+             as_vec3(box.model().rest_positions()[static_cast<std::size_t>(
+                 box.surface().triangles()[static_cast<std::size_t>(point->triangle)][k])]);
+  EXPECT_LT((found - Vec3(0.02, 0.03, 0.1)).norm(), 1e-12);
+  load.place = {};
+  load.load.kind = LoadKind::pressure;
+  load.place.box = {{5, 5, 5}, {6, 6, 6}};
+  EXPECT_EQ(place_load(load, box, "box").issue().code, IssueCode::load_invalid);
+  load.place = {};
+  load.place.set = "nowhere";
+  EXPECT_EQ(place_load(load, box, "box").issue().code, IssueCode::load_invalid);
 }
 
 }  // namespace
