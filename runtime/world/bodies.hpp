@@ -20,6 +20,7 @@ namespace souple {
 /// What a step is, the same for all bodies.
 struct StepRule {
   Integrator integrator = Integrator::implicit_euler;
+  RotationMethod rotation_method = RotationMethod::polar;
   double time_step_s = 0.01;
   double time_s = 0;  ///< at the start of the step
   Vec3 gravity = Vec3::Zero();

@@ -21,7 +21,7 @@ void SoftBody::prepare_free_motion(const StepRule& rule) {
   const SystemFactors factors = system_factors(
       rule.integrator, rule.time_step_s, model.rayleigh_mass_per_s(), model.rayleigh_stiffness_s());
   const Eigen::VectorXd& shape = shape_of_rotations(rule);
-  model.evaluate_elements(shape, RotationMethod::polar, element_rotations, gradients, corner_forces);
+  model.evaluate_elements(shape, rule.rotation_method, element_rotations, gradients, corner_forces);
   model.node_rotations(element_rotations, node_rotations);
   model.assemble(factors.mass, factors.stiffness, gradients, tangent);
   for (Index node = 0; node < model.node_count(); ++node)

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "formats/core/mesh.hpp"
+#include "runtime/fem/rotation_method.hpp"
 #include "runtime/solve/solver_kind.hpp"
 
 namespace souple {
@@ -60,6 +61,9 @@ struct FreeMotionSettings {
 struct WorldSettings {
   double time_step_s = 0.01;
   Integrator integrator = Integrator::implicit_euler;
+  /// Of the elements, in forces and tangent. All but `polar` are for comparison: their forces carry a
+  /// moment, and energy and momentum are not what they should be.
+  RotationMethod rotation_method = RotationMethod::polar;
   Point gravity_m_s2{0, 0, -9.81};
   double friction = 0.4;        ///< Coulomb coefficient of every pair, in [0, 10]
   double alarm_distance_m = 0;  ///< contacts are built below this gap; 0: chosen from size and speed

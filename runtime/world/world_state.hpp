@@ -86,7 +86,7 @@ struct World::State {
   bool exact() const { return settings.contact_method == ContactMethod::exact; }
   FrictionalContactProblem problem() const { return {contacts.size(), delassus, free_gap, friction}; }
 
-  StepRule rule() const { return {settings.integrator, settings.time_step_s, time, gravity}; }
+  StepRule rule() const { return {settings.integrator, settings.rotation_method, settings.time_step_s, time, gravity}; }
 
   /// job(index) for every soft body, as jobs of the application. Allocates nothing.
   template <class Job>

@@ -7,6 +7,7 @@ namespace {
 Json settings_json(const WorldSettings& s) {
   return {{"time_step_s", s.time_step_s},
           {"integrator", integrator_name(s.integrator)},
+          {"rotation_method", rotation_method_name(s.rotation_method)},
           {"gravity_m_s2", s.gravity_m_s2},
           {"friction", s.friction},
           {"alarm_distance_m", s.alarm_distance_m},

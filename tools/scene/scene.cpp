@@ -24,6 +24,7 @@ const std::array<std::string, 2> contact_methods{"warped", "exact"};
 const std::array<std::string, 2> unconverged_steps{"keep_best", "refuse"};
 const std::array<std::string, 4> integrators{"implicit_euler", "bdf2", "quasi_static",
                                              "explicit_euler"};
+const std::array<std::string, 3> rotation_methods{"polar", "qr", "gram_schmidt"};
 const std::array<std::string, 2> body_kinds{"soft", "rigid"};
 constexpr std::array<std::string_view, 14> body_keys{
     "kind",  "name",  "asset",    "position", "rotation",  "velocity", "angular_velocity",
@@ -48,6 +49,9 @@ WorldSettings parse_world(TomlTable world) {
     s.integrator =
         static_cast<Integrator>(std::ranges::find(integrators, *integrator) - integrators.begin());
   if (s.integrator == Integrator::explicit_euler) s.contact_method = ContactMethod::exact;
+  if (const auto method = world.choice("rotation_method", rotation_methods))
+    s.rotation_method = static_cast<RotationMethod>(std::ranges::find(rotation_methods, *method) -
+                                                    rotation_methods.begin());
   s.gravity_m_s2 = world.point("gravity", {-1e4, 1e4}).value_or(s.gravity_m_s2);
   s.friction = world.number("friction", {0, 10}).value_or(s.friction);
   s.alarm_distance_m = world.number("alarm_distance_m", {0, 1e6}).value_or(s.alarm_distance_m);
@@ -190,6 +194,10 @@ const std::string& scene_body_name(const SceneBody& body) {
 
 std::string_view contact_method_name(ContactMethod method) {
   return contact_methods[static_cast<std::size_t>(method)];
+}
+
+std::string_view rotation_method_name(RotationMethod method) {
+  return rotation_methods[static_cast<std::size_t>(method)];
 }
 
 std::string_view integrator_name(Integrator integrator) {

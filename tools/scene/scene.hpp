@@ -62,6 +62,7 @@ Result<Scene> read_scene(const std::filesystem::path& file);
 
 const std::string& scene_body_name(const SceneBody& body);
 std::string_view contact_method_name(ContactMethod method);
+std::string_view rotation_method_name(RotationMethod method);
 std::string_view integrator_name(Integrator integrator);
 
 }  // namespace souple

@@ -81,6 +81,32 @@ TEST(WorldMotion, ClampedBodyHangsAndItsFixedNodesStay) {
   EXPECT_NEAR(moved, sag[tip], 0.05 * std::abs(sag[tip]));
 }
 
+/// Angular momentum that a body gets by itself from a shear, over 50 steps, kg m^2/s; and where a node
+/// ends.
+std::pair<double, Vec3> sheared_and_left(RotationMethod method, double shear) {
+  WorldSettings settings;
+  settings.gravity_m_s2 = {0, 0, 0};
+  settings.rotation_method = method;
+  World world = make_world(settings);
+  const BodyId body = add_soft(world, soft_box(0, 0.002), Vec3::Zero());
+  std::vector<Point> x(world.positions(body).begin(), world.positions(body).end());
+  for (Point& p : x) p[0] += shear * p[2];
+  EXPECT_TRUE(world.set_state(body, x, std::vector<Point>(x.size())).ok());
+  double largest = 0;
+  for (int k = 0; k < 50; ++k)
+    largest = std::max(largest, as_vec3(step(world).angular_momentum_kg_m2_s).norm());
+  return {largest, as_vec3(world.positions(body).back())};
+}
+
+TEST(WorldMotion, OtherRotationsAgreeForSmallStrainsAndSpinABodyForLargeOnes) {
+  const auto [spin, end] = sheared_and_left(RotationMethod::polar, 0.5);
+  const auto [small_spin, small_end] = sheared_and_left(RotationMethod::polar, 1e-4);
+  for (const RotationMethod method : {RotationMethod::qr, RotationMethod::gram_schmidt}) {
+    EXPECT_GT(sheared_and_left(method, 0.5).first, 3 * spin);
+    EXPECT_LT((sheared_and_left(method, 1e-4).second - small_end).norm(), 1e-6);
+  }
+}
+
 TEST(WorldMotion, DrivenPlatePushesABodyAlong) {
   WorldSettings settings;
   settings.gravity_m_s2 = {0, 0, 0};

@@ -92,6 +92,7 @@ TEST(Scene, ReadsIntegratorsDrivenNodesAndLoads) {
 [world]
 time_step_s = 0.01
 integrator = "bdf2"
+rotation_method = "qr"
 [[body]]
 kind = "soft"
 asset = "bar.souple"
@@ -118,6 +119,7 @@ vector = [0, 0, 9]
                                  "s.toml");
   ASSERT_TRUE(scene.ok()) << format_issue(scene.issue());
   EXPECT_EQ(scene->world.integrator, Integrator::bdf2);
+  EXPECT_EQ(scene->world.rotation_method, RotationMethod::qr);
   const auto& bar = std::get<SceneSoftBody>(scene->bodies[0]);
   ASSERT_EQ(bar.description.driven.size(), 1u);
   EXPECT_EQ(bar.description.driven[0].name, "tip");
