@@ -9,6 +9,7 @@
 
 #include "formats/core/hierarchical_compliance.hpp"
 #include "formats/core/mesh.hpp"
+#include "formats/core/solver_kind.hpp"
 
 namespace souple {
 
@@ -182,6 +183,8 @@ struct Asset {
   std::vector<FixedSet> fixed_sets;
   std::vector<ComplianceVariant> compliances;
   Provenance provenance;
+  /// What steps of the body are best begun with, by counted work; automatic: not recorded. New in 1.3.
+  SolverKind default_solver = SolverKind::automatic;
 };
 
 }  // namespace souple

@@ -283,6 +283,23 @@ Result<Provenance> AssetReader::read_provenance() {
   });
 }
 
+Result<SolverKind> AssetReader::read_default_solver() {
+  return guarded([&]() -> Result<SolverKind> {
+    const Result<GroupReader> top = state_->root();
+    if (!top) return top.issue();
+    const Result<bool> is_there = top->has_attribute(layout::default_solver);
+    if (!is_there) return is_there.issue();
+    if (!*is_there) return SolverKind::automatic;
+    const Result<std::string> name = top->text(layout::default_solver);
+    if (!name) return name.issue();
+    const auto kind = solver_of_name(*name);
+    if (!kind || *kind == SolverKind::automatic)
+      return make_issue(IssueCode::asset_corrupt, "there is no solver \"" + *name + "\"",
+                        layout::default_solver);
+    return *kind;
+  });
+}
+
 Result<MeshLevel> AssetReader::read_level(std::size_t level) {
   return guarded([&]() -> Result<MeshLevel> {
     const Result<GroupReader> group = state_->level(level);
@@ -479,6 +496,9 @@ Result<Asset> read_asset(AssetReader& reader) {
     Result<Provenance> provenance = reader.read_provenance();
     if (!provenance) return provenance.issue();
     asset.provenance = std::move(provenance).value();
+    const Result<SolverKind> solver = reader.read_default_solver();
+    if (!solver) return solver.issue();
+    asset.default_solver = *solver;
     return asset;
   } catch (const std::exception& error) {
     return make_issue(IssueCode::io_out_of_memory, error.what());

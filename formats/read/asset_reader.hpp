@@ -71,6 +71,8 @@ class AssetReader {
   int version_minor() const;
   const std::string& content_hash() const;  ///< as stored: hex, over the logical content
   Result<Provenance> read_provenance();
+  /// automatic if the asset does not say.
+  Result<SolverKind> read_default_solver();
 
   std::size_t level_count() const;
   Result<MeshLevel> read_level(std::size_t level);

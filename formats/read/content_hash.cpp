@@ -152,6 +152,9 @@ void add_parts_of_1_3(ContentHasher& hasher, const Asset& asset) {
     hasher.add(transition.slots);
     hasher.add(transition.targets);
   }
+  if (asset.default_solver == SolverKind::automatic) return;
+  hasher.add(std::string_view("default solver"));
+  hasher.add(solver_name(asset.default_solver));
 }
 
 void add_material(ContentHasher& hasher, const Material& material) {

@@ -121,6 +121,10 @@ Asset read_parts(AssetReader& reader, IssueList& issues) {
     asset.provenance = std::move(provenance).value();
   else
     issues.add(provenance.issue());
+  if (const Result<SolverKind> solver = reader.read_default_solver(); solver)
+    asset.default_solver = *solver;
+  else
+    issues.add(solver.issue());
   return asset;
 }
 

@@ -21,6 +21,8 @@ inline constexpr const char* recipe = "recipe";
 inline constexpr const char* input_name = "input_name";
 inline constexpr const char* input_hash = "input_hash";
 inline constexpr const char* content_hash = "content_hash";
+// New in 1.3, may be absent: a name of solver_names, not "automatic".
+inline constexpr const char* default_solver = "default_solver";
 
 // mesh/levels/<l>
 inline constexpr const char* mesh = "mesh";

@@ -32,6 +32,8 @@ void write_root(const GroupWriter& root, const Asset& asset) {
   root.text(layout::input_name, asset.provenance.input_name);
   root.text(layout::input_hash, asset.provenance.input_hash);
   root.text(layout::content_hash, content_hash(asset));
+  if (asset.default_solver != SolverKind::automatic)
+    root.text(layout::default_solver, solver_name(asset.default_solver));
 }
 
 void write_embedding(const GroupWriter& group, const std::vector<Embedding>& rows) {

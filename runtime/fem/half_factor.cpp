@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <limits>
 
 #include "runtime/fem/half_products.hpp"
 #include "runtime/fem/nested_dissection.hpp"
@@ -14,7 +15,22 @@ using Dense = Eigen::MatrixXd;
 
 constexpr Index leaf_nodes = 8;  // below, cutting saves less than the bookkeeping costs
 
-std::size_t padded(std::size_t scalars) { return (scalars + 7) / 8 * 8; }
+std::size_t padded(std::size_t scalars) { return (scalars + 15) / 16 * 16; }
+
+// Integers round to a share of the largest of a piece: stiff nodes must not drown soft ones.
+constexpr double largest_contrast = 32;
+
+// The largest stiffness of the nodes at the places over the least.
+double contrast_of(const BlockMatrix& a, std::span<const Index> order, std::span<const Index> places) {
+  double least = std::numeric_limits<double>::max(), most = 0;
+  for (const Index place : places) {
+    const Index node = order[std::size_t(place)];
+    const double stiffness = a.block(a.pattern->diagonal[std::size_t(node)]).trace();
+    least = std::min(least, stiffness);
+    most = std::max(most, stiffness);
+  }
+  return most / least;
+}
 
 // What the elimination of a piece leaves for its ancestors: places in the order, and their Schur
 // update.
@@ -143,30 +159,52 @@ bool HalfFactor::create(const BlockMatrix& a, std::span<const Point> positions,
   HalfFactorBuilder builder(a, tree);
   order_ = tree.order;
   Dense s, b;
-  std::vector<Index> border;
-  std::vector<float> column;
+  std::vector<Index> border, places;
   for (Index k = 0; k < tree.piece_count(); ++k) {
     if (!builder.eliminate(k, border, s, b)) return false;
-    Piece piece{tree.begin[std::size_t(k)],
-                tree.begin[std::size_t(k) + 1],
-                border_.size(),
-                border.size(),
-                values_.size(),
-                1};
-    border_.insert(border_.end(), border.begin(), border.end());
-    piece.inverse_scale = float(s.cwiseAbs().maxCoeff());
-    s /= double(piece.inverse_scale);
-    for (const Dense* part : {&s, &b})
-      for (Eigen::Index j = 0; j < part->cols(); ++j) {
-        column.assign(padded(std::size_t(part->rows())), 0.0F);
-        for (Eigen::Index i = 0; i < part->rows(); ++i) column[std::size_t(i)] = float((*part)(i, j));
-        append_halves(column, values_);
-      }
-    largest_border_ =
-        std::max({largest_border_, padded(3 * border.size()), padded(std::size_t(s.rows()))});
-    pieces_.push_back(piece);
+    const Index begin = tree.begin[std::size_t(k)], end = tree.begin[std::size_t(k) + 1];
+    places = border;
+    for (Index place = begin; place < end; ++place) places.push_back(place);
+    add_piece(begin, end, border, s, b, contrast_of(a, order_, places) <= largest_contrast);
   }
   return true;
+}
+
+void HalfFactor::add_piece(Index begin, Index end, const std::vector<Index>& border, const Dense& s,
+                           const Dense& b, bool in_integers) {
+  Piece piece;
+  piece.begin = begin;
+  piece.end = end;
+  piece.border_begin = border_.size();
+  piece.border_count = border.size();
+  border_.insert(border_.end(), border.begin(), border.end());
+  piece.inverse_begin = values_.size();
+  piece.inverse_scale = float(s.cwiseAbs().maxCoeff());
+  append_half_columns(s / double(piece.inverse_scale));
+  piece.coupling_begin = values_.size();
+  piece.in_integers = in_integers;
+  if (piece.in_integers)
+    piece.coupling = append_integers(b, values_);
+  else
+    append_half_columns(b);
+  largest_border_ =
+      std::max({largest_border_, padded(3 * border.size()), padded(std::size_t(s.rows()))});
+  pieces_.push_back(piece);
+}
+
+void HalfFactor::append_half_columns(const Dense& matrix) {
+  std::vector<float> column;
+  for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
+    column.assign(padded(std::size_t(matrix.rows())), 0.0F);
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i) column[std::size_t(i)] = float(matrix(i, j));
+    append_halves(column, values_);
+  }
+}
+
+IntegerBlock HalfFactor::coupling_of(const Piece& piece) const {
+  IntegerBlock block = piece.coupling;
+  block.values = values_.data() + piece.coupling_begin;
+  return block;
 }
 
 // x_r -= B x_c.
@@ -174,9 +212,12 @@ void HalfFactor::forward(const Piece& piece, float* x, float* work) const {
   if (piece.border_count == 0) return;
   const std::size_t own = 3 * std::size_t(piece.end - piece.begin);
   const std::size_t rows = padded(3 * piece.border_count);
-  const std::uint16_t* b = values_.data() + piece.values_begin + own * padded(own);
+  const float* own_x = x + 3 * piece.begin;
   std::fill_n(work, rows, 0.0F);
-  add_product(b, rows, own, x + 3 * piece.begin, work);
+  if (piece.in_integers)
+    add_product(coupling_of(piece), own_x, work, work + largest_border_);
+  else
+    add_product(values_.data() + piece.coupling_begin, rows, own, own_x, work);
   const Index* border = border_.data() + piece.border_begin;
   for (std::size_t k = 0; k < piece.border_count; ++k)
     for (std::size_t i = 0; i < 3; ++i) x[3 * std::size_t(border[k]) + i] -= work[3 * k + i];
@@ -186,17 +227,19 @@ void HalfFactor::forward(const Piece& piece, float* x, float* work) const {
 void HalfFactor::backward(const Piece& piece, float* x, float* work) const {
   const std::size_t own = 3 * std::size_t(piece.end - piece.begin), own_rows = padded(own);
   const std::size_t rows = padded(3 * piece.border_count);
-  const std::uint16_t* s = values_.data() + piece.values_begin;
   float *own_x = x + 3 * piece.begin, *border_x = work + largest_border_;
   std::fill_n(work, own_rows, 0.0F);
-  add_product(s, own_rows, own, own_x, work);
+  add_product(values_.data() + piece.inverse_begin, own_rows, own, own_x, work);
   const Index* border = border_.data() + piece.border_begin;
-  std::fill_n(border_x + rows - std::min<std::size_t>(rows, 8), std::min<std::size_t>(rows, 8), 0.0F);
+  std::fill_n(border_x + 3 * piece.border_count, rows - 3 * piece.border_count, 0.0F);
   for (std::size_t k = 0; k < piece.border_count; ++k)
     for (std::size_t i = 0; i < 3; ++i) border_x[3 * k + i] = x[3 * std::size_t(border[k]) + i];
   for (std::size_t i = 0; i < own; ++i) own_x[i] = piece.inverse_scale * work[i];
-  if (piece.border_count > 0)
-    subtract_transposed_product(s + own * own_rows, rows, own, border_x, own_x);
+  if (piece.border_count == 0) return;
+  if (piece.in_integers)
+    subtract_transposed_product(coupling_of(piece), border_x, own_x, work);
+  else
+    subtract_transposed_product(values_.data() + piece.coupling_begin, rows, own, border_x, own_x);
 }
 
 void HalfFactor::solve(float* x, float* work) const {

@@ -10,7 +10,7 @@
 
 namespace souple {
 
-void append_halves(std::span<const float> values, std::vector<std::uint16_t>& halves) {
+void append_halves(std::span<const float> values, PackedValues& halves) {
   constexpr float largest = 65504;
   for (const float value : values)
     halves.push_back(
@@ -41,6 +41,8 @@ void add_product(const std::uint16_t* m, std::size_t rows, std::size_t columns, 
     const __m256 x0 = _mm256_set1_ps(x[j]), x1 = _mm256_set1_ps(x[j + 1]),
                  x2 = _mm256_set1_ps(x[j + 2]);
     for (std::size_t i = 0; i < rows; i += 8) {
+      // A line of the columns that come next, of which one holds 32 numbers.
+      _mm_prefetch(reinterpret_cast<const char*>(m2 + (1 + i / 8 % 3) * rows + i), _MM_HINT_T0);
       __m256 sum = _mm256_loadu_ps(y + i);
       sum = _mm256_fmadd_ps(eight(m0 + i), x0, sum);
       sum = _mm256_fmadd_ps(eight(m1 + i), x1, sum);

@@ -4,12 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
+
+#include "runtime/fem/integer_products.hpp"
 
 namespace souple {
 
 /// Appends the values rounded to halves; beyond the range of halves the largest one.
-void append_halves(std::span<const float> values, std::vector<std::uint16_t>& halves);
+void append_halves(std::span<const float> values, PackedValues& halves);
 
 /// y += M x. M is rows x columns; `rows` is a multiple of 8.
 void add_product(const std::uint16_t* m, std::size_t rows, std::size_t columns, const float* x,

@@ -74,6 +74,9 @@ Loaded load(AssetReader& reader, const LoadOptions& options, const LoadVariant& 
   }
   if (options.multigrid)
     if (auto status = load_multigrid(reader, content); !status) return status.issue();
+  const auto solver = reader.read_default_solver();
+  if (!solver) return solver.issue();
+  content.default_solver = *solver;
   auto material = reader.read_material();
   if (!material) return material.issue();
   content.material = std::move(*material);

@@ -82,8 +82,10 @@ Made SolverParts::make_preconditioner(SolverKind kind, const SolverBody& body) {
   if (kind == SolverKind::multigrid || kind == SolverKind::multigrid_pcg) {
     auto levels = hierarchy(body);
     if (!levels) return levels.issue();
+    // Alone, a cycle of two sweeps is faster on any body.
+    const int sweeps = kind == SolverKind::multigrid ? 2 : sweeps_that_pay(node_count);
     return std::unique_ptr<Preconditioner>(
-        std::make_unique<MultigridPreconditioner>(std::move(*levels)));
+        std::make_unique<MultigridPreconditioner>(std::move(*levels), sweeps));
   }
   if (kind == SolverKind::warped_pcg) {
     auto shared = factor(body);

@@ -6,9 +6,9 @@
 
 #include "formats/core/asset.hpp"
 #include "formats/core/result.hpp"
+#include "formats/core/solver_kind.hpp"
 #include "runtime/multigrid/multigrid_hierarchy.hpp"
 #include "runtime/solve/rest_factor.hpp"
-#include "runtime/solve/solver_kind.hpp"
 #include "runtime/solve/step_solver.hpp"
 
 namespace souple {

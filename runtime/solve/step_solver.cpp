@@ -52,6 +52,24 @@ void StepSolver::choose() {
   }
 }
 
+StepSolver::Memory StepSolver::memory() const {
+  return {{choices_[0].work, choices_[1].work}, work_, std::uint32_t(active_), systems_with_spare_};
+}
+
+bool StepSolver::may_recall(const Memory& memory) const {
+  return memory.active < choices_.size() && choices_[memory.active].preconditioner &&
+         std::isfinite(memory.work[0]) && std::isfinite(memory.work[1]) &&
+         std::isfinite(memory.present_work);
+}
+
+void StepSolver::recall(const Memory& memory) {
+  for (std::size_t k = 0; k < choices_.size(); ++k) choices_[k].work = memory.work[k];
+  work_ = memory.present_work;
+  active_ = memory.active;
+  systems_with_spare_ = memory.systems_with_spare;
+  is_current_ = false;
+}
+
 double StepSolver::measure(const Eigen::VectorXd& b, const Eigen::VectorXd& x) {
   multiply(*system_.tangent, x, product_);
   residual_ = b - product_;

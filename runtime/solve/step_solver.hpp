@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 #include <array>
+#include <cstdint>
 #include <memory>
 
 #include "runtime/solve/preconditioner.hpp"
@@ -46,6 +47,17 @@ class StepSolver {
   /// From the x given to ||b - A x|| <= tolerance * reference. Where that is not reached, x is the
   /// iterate of least residual that was seen.
   SolveReport solve(const Eigen::VectorXd& b, const SolveLimits& limits, Eigen::VectorXd& x);
+
+  /// What the choice between the preconditioners has been made from; the next systems depend on it.
+  struct Memory {
+    std::array<double, 2> work{-1, -1};
+    double present_work = 0;
+    std::uint32_t active = 0;
+    std::int32_t systems_with_spare = 0;
+  };
+  Memory memory() const;
+  bool may_recall(const Memory& memory) const;
+  void recall(const Memory& memory);
 
   /// Of one iteration, in products with A.
   double work_units() const { return active().preconditioner->work_units() + 1; }

@@ -44,6 +44,11 @@ std::string describe(const WorldSettings& settings) {
 
 }  // namespace
 
+Status check_pair(const PairRule& rule, const std::string& where) {
+  if (in_range(rule.friction, 0, largest_friction)) return {};
+  return refuse("friction " + std::to_string(rule.friction) + " is outside [0, 10]", where);
+}
+
 Status check_settings(const WorldSettings& s) {
   if (!in_range(s.time_step_s, 1e-7, 10))
     return refuse("time step " + std::to_string(s.time_step_s) + " s is outside [1e-7, 10]",

@@ -11,6 +11,7 @@ namespace souple {
 Status check_settings(const WorldSettings& settings);
 Status check_soft_body(const SoftBodyDescription& description);
 Status check_rigid_body(const RigidBodyDescription& description);
+Status check_pair(const PairRule& rule, const std::string& where);
 
 /// Marks the fixed nodes; an empty name fixes none. Issue fixed_set_invalid.
 Status hold_fixed_set(SoftBody& body, const std::string& fixed_set);

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "formats/core/solver_kind.hpp"
 #include "formats/core/mesh.hpp"
 #include "runtime/fem/rotation_method.hpp"
-#include "runtime/solve/solver_kind.hpp"
 
 namespace souple {
 
@@ -65,7 +65,7 @@ struct WorldSettings {
   /// moment, and energy and momentum are not what they should be.
   RotationMethod rotation_method = RotationMethod::polar;
   Point gravity_m_s2{0, 0, -9.81};
-  double friction = 0.4;        ///< Coulomb coefficient of every pair, in [0, 10]
+  double friction = 0.4;        ///< Coulomb coefficient of pairs without a PairRule, in [0, 10]
   double alarm_distance_m = 0;  ///< contacts are built below this gap; 0: chosen from size and speed
   ContactMethod contact_method = ContactMethod::warped;
   bool feed_forward_forces = true;  ///< last step's forces enter the free motion (METHOD 4.2)
@@ -78,6 +78,12 @@ struct WorldSettings {
   FreeMotionSettings free_motion;
   /// Fill the law and energy figures of every StepReport; not part of the times it gives.
   bool measure_laws = true;
+};
+
+/// What holds between two bodies; see World::set_pair.
+struct PairRule {
+  double friction = 0.4;  ///< Coulomb coefficient, in [0, 10]
+  bool collides = true;   ///< false: they pass through each other
 };
 
 enum class RigidShapeKind : std::uint8_t { plane, sphere, box };

@@ -46,6 +46,7 @@ Result<std::shared_ptr<const SoftBodyAsset>> SoftBodyAsset::create(SoftBodyConte
   asset->rigid_modes_ = RigidModes(asset->model_.rest_positions(), asset->model_.masses());
   asset->fixed_sets_ = std::move(content.fixed_sets);
   asset->multigrid_ = std::move(content.multigrid);
+  asset->recorded_solver_ = content.default_solver;
   asset->coarsest_nodes_ = std::move(content.coarsest_nodes);
   Eigen::AlignedBox3d box;
   for (const auto& node : asset->model_.rest_positions()) box.extend(Vec3(as_vec3(node)));
@@ -116,6 +117,7 @@ const BodyCompliance* SoftBodyAsset::find_compliance(double mass_factor, double 
 }
 
 SolverKind SoftBodyAsset::default_solver() const {
+  if (recorded_solver_ != SolverKind::automatic) return recorded_solver_;
   // The factor of the rest matrix grows with the power 4/3 of the nodes, a V-cycle with the nodes.
   constexpr Index largest_factor_nodes = 6000;
   return model_.node_count() <= largest_factor_nodes ? SolverKind::warped_pcg

@@ -8,12 +8,12 @@
 
 #include "formats/core/asset.hpp"
 #include "formats/core/result.hpp"
+#include "formats/core/solver_kind.hpp"
 #include "runtime/collision/surface_tree.hpp"
 #include "runtime/compliance/rest_compliance.hpp"
 #include "runtime/compliance/rest_extension.hpp"
 #include "runtime/compliance/rigid_modes.hpp"
 #include "runtime/fem/corotational_model.hpp"
-#include "runtime/solve/solver_kind.hpp"
 #include "runtime/visual/visual_surface.hpp"
 
 namespace souple {
@@ -37,6 +37,7 @@ struct SoftBodyContent {
   /// coarsened further where it is too large. Empty: not there, or not asked for.
   std::vector<LevelTransition> multigrid{};
   std::vector<Point> coarsest_nodes{};
+  SolverKind default_solver = SolverKind::automatic;  ///< as recorded; automatic: by the node count
   struct Variant {
     ComplianceHeader header;
     std::vector<Index> nodes;
@@ -69,8 +70,8 @@ class SoftBodyAsset {
   /// (METHOD 4.2: the ratio of the factors is the key); nullptr if there is none.
   const BodyCompliance* find_compliance(double mass_factor, double stiffness_factor,
                                         const std::string& fixed_set) const;
-  /// What its steps are best begun with, by the number of nodes; see StepSolver::add_spare for what is
-  /// done where that goes badly.
+  /// What its steps are best begun with: as recorded, else by the number of nodes. See StepSolver for
+  /// what is done where that goes badly.
   SolverKind default_solver() const;
   /// The surface to be shown; nullptr unless there was one and it was asked for. For an instance:
   /// `asset.visual()->positions(world.positions(body), vertices)`.
@@ -92,6 +93,7 @@ class SoftBodyAsset {
   std::vector<BodyCompliance> compliances_;
   std::optional<VisualSurface> visual_;
   double longest_side_ = 0;
+  SolverKind recorded_solver_ = SolverKind::automatic;
 };
 
 }  // namespace souple

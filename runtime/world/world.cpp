@@ -80,6 +80,16 @@ Status World::set_load(LoadId load, const LoadKeyframe& value) {
   return s.soft(load.body).loads[load.index].set(value, s.soft(load.body).name);
 }
 
+Status World::set_pair(BodyId a, BodyId b, const PairRule& rule) {
+  const std::size_t count = state_->bodies.size();
+  if (a.index >= count || b.index >= count || a.index == b.index)
+    return make_issue(IssueCode::world_parameter_invalid, "a pair is of two bodies of this world",
+                      a.index < count ? body_name(a) : "");
+  if (auto status = check_pair(rule, body_name(a) + " and " + body_name(b)); !status) return status;
+  state_->pairs.set(a.index, b.index, rule);
+  return {};
+}
+
 void World::run_jobs_with(RunJobs run_jobs) { state_->run_jobs = std::move(run_jobs); }
 
 Result<StepReport> World::step() {
@@ -161,6 +171,8 @@ Status World::copy_state(const World& other) {
   for (const auto index : to.soft_indices) {
     to.soft(index).x = from.soft(index).x;
     to.soft(index).v = from.soft(index).v;
+    if (to.soft(index).solver->may_recall(from.soft(index).solver->memory()))
+      to.soft(index).solver->recall(from.soft(index).solver->memory());
     to.soft(index).take_history(from.soft(index), to.settings.time_step_s == from.settings.time_step_s);
   }
   to.last_energy_j = std::numeric_limits<double>::quiet_NaN();

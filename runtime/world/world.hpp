@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -42,7 +43,8 @@ class World {
 
   /// The asset is shared and const; the body is a cheap instance of it.
   /// Issues: world_parameter_invalid, fixed_set_invalid, driven_nodes_invalid, static_body_not_held,
-  /// explicit_step_too_long, scene_no_matching_compliance.
+  /// explicit_step_too_long, scene_no_matching_compliance, solver_not_possible,
+  /// asset_multigrid_invalid.
   Result<BodyId> add_soft_body(std::shared_ptr<const SoftBodyAsset> asset,
                                const SoftBodyDescription& description);
   Result<BodyId> add_rigid_body(const RigidBodyDescription& description);
@@ -52,6 +54,10 @@ class World {
   /// Replaces the course of a load by a value that it keeps (of a keyframe all but the time): N or Pa,
   /// the pressure of a pressure. Allocates nothing. Issue load_invalid, the load unchanged.
   Status set_load(LoadId load, const LoadKeyframe& value);
+
+  /// Friction between two bodies, and whether they collide, from the next step on; the order does not
+  /// matter. Issue world_parameter_invalid, nothing changed.
+  Status set_pair(BodyId a, BodyId b, const PairRule& rule);
 
   /// Bodies are stepped as jobs of the application, with the same results; empty: one after another.
   void run_jobs_with(RunJobs run_jobs);
@@ -81,6 +87,14 @@ class World {
   /// may have other settings: the same history, another method. Issue world_parameter_invalid,
   /// unchanged.
   Status copy_state(const World& other);
+
+  /// Positions, velocities, contact forces, time and what solvers have learnt, as bytes: after restore
+  /// the steps have the same bits. What the application has set (bodies, loads, pairs, jobs) is not
+  /// part of it. Both allocate.
+  std::vector<std::byte> snapshot() const;
+  /// Of this world, or one made in the same way. There are no contacts to be read until the next step.
+  /// Issue snapshot_invalid, nothing changed.
+  Status restore(std::span<const std::byte> snapshot);
 
   std::vector<ContactRecord> contacts() const;  ///< of the last step; allocates
   /// The contact problem of the last step (W, free gap, friction, forces, frames).

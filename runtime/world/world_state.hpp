@@ -13,6 +13,7 @@
 #include "runtime/world/contact_detection.hpp"
 #include "runtime/world/contact_space.hpp"
 #include "runtime/world/jobs.hpp"
+#include "runtime/world/pair_rules.hpp"
 #include "runtime/world/solver_share.hpp"
 #include "runtime/world/step_report.hpp"
 #include "runtime/world/world.hpp"
@@ -56,6 +57,7 @@ struct World::State {
   std::vector<std::unique_ptr<Body>> bodies;
   std::vector<std::uint32_t> soft_indices, rigid_indices;
   SolverShare solvers;
+  PairRules pairs;
 
   // One step; memory kept from step to step.
   std::vector<RigidStep> rigid_steps;  ///< by body index; soft ones unused
@@ -86,7 +88,9 @@ struct World::State {
   bool exact() const { return settings.contact_method == ContactMethod::exact; }
   FrictionalContactProblem problem() const { return {contacts.size(), delassus, free_gap, friction}; }
 
-  StepRule rule() const { return {settings.integrator, settings.rotation_method, settings.time_step_s, time, gravity}; }
+  StepRule rule() const {
+    return {settings.integrator, settings.rotation_method, settings.time_step_s, time, gravity};
+  }
 
   /// job(index) for every soft body, as jobs of the application. Allocates nothing.
   template <class Job>
@@ -115,6 +119,9 @@ struct World::State {
   Status free_motion(StepReport& report);
   Status report_solves(StepReport& report) const;
   Status judge_unconverged(const SoftBody& body, const SolveReport& solved) const;
+  PairRule pair(std::uint32_t a, std::uint32_t b) const {
+    return pairs.of(a, b, {settings.friction, true});
+  }
   double normal_motion(std::size_t contact) const;
   void discard_distant();
   Status build_delassus();
@@ -129,6 +136,9 @@ struct World::State {
   void measure_warping();
   bool is_impact(std::uint32_t body) const;
   Status commit();
+  /// Over all that the next step depends on, in one order; see snapshot.cpp.
+  template <class Stream>
+  bool walk_state(Stream& stream);
   void give_up();  ///< after a step that could not be computed
   void measure_body(std::uint32_t index);
   void measure_energy(StepReport& report);

@@ -76,14 +76,19 @@ void World::State::detect() {
 void World::State::detect_of(std::uint32_t a, std::vector<Contact>& found) const {
   found.clear();
   for (const auto b : rigid_indices) {
+    const PairRule rule = pair(a, b);
+    if (!rule.collides) continue;
     const double speed = rigid_speed(rigid_steps[b], soft(a));
-    detect_soft_rigid(a, soft(a), b, rigid_steps[b],
-                      {alarm_distance(soft(a), speed), settings.friction}, found);
+    detect_soft_rigid(a, soft(a), b, rigid_steps[b], {alarm_distance(soft(a), speed), rule.friction},
+                      found);
   }
-  for (const auto b : soft_indices)
-    if (a != b)
+  for (const auto b : soft_indices) {
+    if (a == b) continue;
+    const PairRule rule = pair(a, b);
+    if (rule.collides)
       detect_soft_soft(a, soft(a), b, soft(b),
-                       {alarm_distance(soft(a), soft(b).largest_speed()), settings.friction}, found);
+                       {alarm_distance(soft(a), soft(b).largest_speed()), rule.friction}, found);
+  }
 }
 
 // Driven nodes of soft bodies move a contact as a rigid body's points do.

@@ -161,6 +161,9 @@ void time_correction(const SoftBodyAsset& body, const BodyCompliance& compliance
     error = std::max(error, (load.segment<3>(3 * Eigen::Index(k)) - node_entry(u, inner[k])).norm());
   print_row("contact.correction.interior_double", "ms", naive_s, hash, 1e3);
   print_row("contact.interior_error", "1", error / largest, hash);
+  // Of the error that the compliance of the surface is allowed.
+  print_row("correction.interior.error", "1", error / largest / compliance.header.tolerance_asked,
+            hash);
   print_row("contact.interior_bytes", "MB", double(compliance.extension.resident_bytes()) / 1e6, hash);
   print_row("contact.interior_double_bytes", "MB", double(factor.bytes()) / 1e6, hash);
 }

@@ -2,8 +2,9 @@
 // Step time against the error of the trajectory for every solver and several tolerances: a liver, a
 // dinosaur and a torus, held at one side, fall for half a second. The reference has a tenth of the step
 // and solves directly; the error at equal steps with a direct solve is that of the step itself, which
-// no solver can beat. Writes solver_pareto_NAME.svg and .csv, with what no other solver dominates
-// marked.
+// no solver can beat. Writes solver_pareto_NAME.svg with the error against the reference,
+// solver_pareto_NAME_solver.svg with the part of it that the solver has, and .csv; what no other solver
+// dominates is marked.
 //
 //   souple_bench_solver_pareto FOLDER
 #include <algorithm>
@@ -29,7 +30,6 @@ struct Run {
   double step_ms = 0;       ///< median of the steps
   double error = 0;         ///< root mean square over nodes and steps, over the size of the motion
   double solver_error = 0;  ///< the same against the direct solve with equal steps
-  bool on_front = false;
 };
 
 struct Trajectory {
@@ -74,38 +74,54 @@ double extent(const Trajectory& t) {
   return std::sqrt(sum);
 }
 
-void mark_front(std::vector<Run>& runs) {
-  for (Run& one : runs)
-    one.on_front = std::ranges::none_of(runs, [&](const Run& other) {
-      return other.step_ms <= one.step_ms && other.solver_error <= one.solver_error &&
-             (other.step_ms < one.step_ms || other.solver_error < one.solver_error);
-    });
+/// One of the two errors of a run, and what is drawn of it.
+struct Axis {
+  double Run::*error;
+  const char* label;
+  const char* suffix;  ///< of the file
+};
+
+const Axis of_trajectory{&Run::error, "error against a tenth of the step, over the motion", ""};
+const Axis of_solver{&Run::solver_error, "error against the direct solve, over the motion", "_solver"};
+
+bool is_on_front(const Run& one, const std::vector<Run>& runs, const Axis& axis) {
+  return std::ranges::none_of(runs, [&](const Run& other) {
+    const double error = one.*axis.error, others = other.*axis.error;
+    return other.step_ms <= one.step_ms && others <= error &&
+           (other.step_ms < one.step_ms || others < error);
+  });
+}
+
+void draw(const std::string& name, const std::vector<Run>& runs, double step_error, const Axis& axis,
+          const std::filesystem::path& folder) {
+  Plot plot{name + ": step time against error; error of the step itself " + std::to_string(step_error),
+            "ms a step (median)",
+            axis.label,
+            true,
+            {}};
+  PlotSeries front{"Pareto front", {}, true, false};
+  for (const Run& one : runs) {
+    const std::string solver(solver_name(one.kind));
+    if (plot.series.empty() || plot.series.back().name != solver)
+      plot.series.push_back({solver, {}, true, true});
+    plot.series.back().points.emplace_back(one.step_ms, one.*axis.error);
+    if (is_on_front(one, runs, axis)) front.points.emplace_back(one.step_ms, one.*axis.error);
+  }
+  std::ranges::sort(front.points);
+  plot.series.push_back(front);
+  write_plot(plot, folder / ("solver_pareto_" + name + axis.suffix + ".svg"));
 }
 
 void write(const std::string& name, const std::vector<Run>& runs, double step_error,
            const std::filesystem::path& folder) {
   std::ofstream csv(folder / ("solver_pareto_" + name + ".csv"));
-  csv << "solver,tolerance,step_ms,error,solver_error,on_front\n";
-  Plot plot{name + ": step time against trajectory error; error of the step itself " +
-                std::to_string(step_error),
-            "ms a step (median)",
-            "error against the direct solve, over the motion",
-            true,
-            {}};
-  for (const Run& one : runs) {
-    const std::string solver(solver_name(one.kind));
-    csv << solver << ',' << one.tolerance << ',' << one.step_ms << ',' << one.error << ','
-        << one.solver_error << ',' << one.on_front << '\n';
-    if (plot.series.empty() || plot.series.back().name != solver)
-      plot.series.push_back({solver, {}, true, true});
-    plot.series.back().points.emplace_back(one.step_ms, one.solver_error);
-  }
-  PlotSeries front{"Pareto front", {}, true, false};
+  csv << "solver,tolerance,step_ms,error,solver_error,on_front,on_solver_front\n";
   for (const Run& one : runs)
-    if (one.on_front) front.points.emplace_back(one.step_ms, one.solver_error);
-  std::ranges::sort(front.points);
-  plot.series.push_back(front);
-  write_plot(plot, folder / ("solver_pareto_" + name + ".svg"));
+    csv << solver_name(one.kind) << ',' << one.tolerance << ',' << one.step_ms << ',' << one.error
+        << ',' << one.solver_error << ',' << is_on_front(one, runs, of_trajectory) << ','
+        << is_on_front(one, runs, of_solver) << '\n';
+  draw(name, runs, step_error, of_trajectory, folder);
+  draw(name, runs, step_error, of_solver, folder);
 }
 
 void compare(const HeldBody& held, const std::filesystem::path& folder) {
@@ -121,8 +137,8 @@ void compare(const HeldBody& held, const std::filesystem::path& folder) {
                       difference(t, direct) / size});
     }
   }
-  mark_front(runs);
   const double step_error = difference(direct, reference) / size;
+  runs.push_back({SolverKind::direct, 0, median(direct.step_ms), step_error, 0});
   write(held.name, runs, step_error, folder);
   std::printf("# %s: %d tets, error of the step itself %.2e, direct %.2f ms\n", held.name.c_str(),
               held.asset->model().tet_count(), step_error, median(direct.step_ms));
@@ -131,8 +147,8 @@ void compare(const HeldBody& held, const std::filesystem::path& folder) {
   for (const Run& one : runs) {
     std::printf("# %-22s %.0e %8.3f ms  error %.2e, of the solver %.2e %s\n",
                 std::string(solver_name(one.kind)).c_str(), one.tolerance, one.step_ms, one.error,
-                one.solver_error, one.on_front ? "*" : "");
-    front += one.on_front;
+                one.solver_error, is_on_front(one, runs, of_solver) ? "*" : "");
+    front += is_on_front(one, runs, of_solver);
     if (one.tolerance == 1e-4 && one.kind == SolverKind::automatic) of_default = one.step_ms;
     if (one.tolerance == 1e-4 && one.kind == SolverKind::jacobi_pcg) of_jacobi = one.step_ms;
   }

@@ -271,7 +271,8 @@ Asset sorted(Asset asset) {
 bool same_content(const Asset& first, const Asset& second) {
   const Asset a = sorted(first), b = sorted(second);
   return std::ranges::equal(a.levels, b.levels, same_level) && a.multigrid == b.multigrid &&
-         same_visual(a.visual, b.visual) && same_material(a.material, b.material) &&
+         a.default_solver == b.default_solver && same_visual(a.visual, b.visual) &&
+         same_material(a.material, b.material) &&
          std::ranges::equal(a.fixed_sets, b.fixed_sets, same_set) &&
          std::ranges::equal(a.compliances, b.compliances, same_variant) &&
          same_provenance(a.provenance, b.provenance);

@@ -135,6 +135,18 @@ TEST_F(TwoMaterials, GiveEveryTetTheStiffnessOfItsRegion) {
   EXPECT_TRUE(below > 100 && above > 100 && between == 25) << below << " " << above << " " << between;
 }
 
+TEST(LoadSoftBody, TakesTheSolverThatTheAssetRecords) {
+  Asset asset = plain_asset(Ties::both);
+  asset.default_solver = SolverKind::gauss_seidel_pcg;
+  const Loaded recorded = through_a_file(asset);
+  ASSERT_TRUE(recorded);
+  EXPECT_EQ(recorded->default_solver(), SolverKind::gauss_seidel_pcg);
+  asset.default_solver = SolverKind::automatic;
+  const Loaded left_open = through_a_file(asset);
+  ASSERT_TRUE(left_open);
+  EXPECT_EQ(left_open->default_solver(), SolverKind::warped_pcg) << "a small body";
+}
+
 TEST(LoadSoftBody, GivesTheVisualSurfaceOnlyIfAskedFor) {
   const Asset asset = plain_asset(Ties::both);
   const Loaded without = through_a_file(asset), with = through_a_file(asset, {.visual = true});

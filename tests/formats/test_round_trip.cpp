@@ -118,6 +118,30 @@ TEST(AssetRoundTrip, KeepsADenseComplianceWithAProlongation) {
   EXPECT_TRUE(same_content(asset, read_back(written(asset))));
 }
 
+TEST(AssetRoundTrip, KeepsTheDefaultSolverOrThatThereIsNone) {
+  Asset asset = make_sample_asset();
+  const std::string hash = content_hash(asset);
+  for (const auto& known : solver_names) {
+    asset.default_solver = known.kind;
+    const std::vector<std::byte> bytes = written(asset);
+    EXPECT_EQ(read_back(bytes).default_solver, known.kind);
+    EXPECT_TRUE(validate_asset_memory(bytes).valid());
+    EXPECT_EQ(content_hash(asset) == hash, known.kind == SolverKind::automatic);
+  }
+}
+
+TEST(AssetReader, RefusesASolverThatIsNotThere) {
+  Asset asset = make_sample_asset();
+  asset.default_solver = SolverKind::jacobi_pcg;
+  std::vector<std::byte> bytes = written(asset);
+  const std::string_view name = "jacobi_pcg";
+  const auto found =
+      std::ranges::search(bytes, name, [](std::byte a, char b) { return a == std::byte(b); });
+  ASSERT_FALSE(found.empty());
+  found.front() = std::byte('g');
+  EXPECT_FALSE(validate_asset_memory(bytes).valid());
+}
+
 TEST(AssetRoundTrip, KeepsTextsOfTheLargestLength) {
   Asset asset = make_sample_asset();
   asset.provenance.recipe.assign(60000, 'x');

@@ -19,6 +19,7 @@ struct Contents {
   int version_major = 0, version_minor = 0;
   std::string content_hash;
   Provenance provenance;
+  SolverKind default_solver = SolverKind::automatic;
   std::vector<LevelSizes> levels;
   VisualSizes visual;
   Material material;
@@ -64,6 +65,7 @@ Result<Contents> read_contents(const std::string& file) {
   Status status = read_lists(*reader, contents);
   if (!status || !take(reader->read_visual_sizes(), contents.visual, status) ||
       !take(reader->read_provenance(), contents.provenance, status) ||
+      !take(reader->read_default_solver(), contents.default_solver, status) ||
       !take(reader->read_material(), contents.material, status) ||
       !take(reader->group_costs(), contents.costs, status))
     return status.issue();
@@ -86,6 +88,7 @@ Json contents_json(const Contents& c) {
                             {"input_name", c.provenance.input_name},
                             {"input_hash", c.provenance.input_hash},
                             {"recipe", c.provenance.recipe}};
+  document["default_solver"] = std::string(solver_name(c.default_solver));
   document["levels"] = Json::array();
   for (const LevelSizes& level : c.levels)
     document["levels"].push_back({{"node_count", level.node_count},
@@ -153,6 +156,7 @@ std::string contents_text(const Contents& c, bool verbose) {
                      std::to_string(c.version_minor) + ", made by " + c.provenance.generator +
                      " from " + c.provenance.input_name + "\n";
   text += levels_text(c) + material_text(c.material);
+  text += "default solver: " + std::string(solver_name(c.default_solver)) + "\n";
   for (const auto& [name, count] : c.fixed_sets)
     text += "fixed set " + name + ": " + std::to_string(count) + " nodes\n";
   for (const ComplianceSummary& summary : c.compliances)

@@ -13,6 +13,7 @@
 #include "tools/compliance/precompute.hpp"
 #include "tools/exchange/numbers.hpp"
 #include "tools/geometry/surface_measure.hpp"
+#include "tools/recipe/choose_solver.hpp"
 #include "tools/recipe/node_selection.hpp"
 #include "tools/recipe/recipe_parameters.hpp"
 
@@ -156,6 +157,9 @@ Status finish_body(BodyMesh body, const Recipe& recipe, const std::string& gener
   auto multigrid = stages.run("multigrid", [&] { return store_transitions(asset.levels); });
   if (!multigrid) return multigrid.issue();
   asset.multigrid = std::move(*multigrid);
+  auto solver = stages.run("solver", [&] { return choose_solver(asset); });
+  if (!solver) return solver.issue();
+  asset.default_solver = *solver;
   if (auto status = select_fixed_sets(recipe, asset); !status) return status;
   describe_scale(recipe, asset, outcome.report);
   if (recipe.surface.size_m == 0)

@@ -151,6 +151,23 @@ void check_names(TomlTable& root, const Scene& scene) {
                   "Give every body a name of its own, other than \"scene\".");
 }
 
+ScenePair parse_pair(TomlTable& entry, const Scene& scene) {
+  ScenePair pair;
+  pair.rule.friction = scene.world.friction;
+  for (const auto& [key, name] : {std::pair("a", &pair.a), std::pair("b", &pair.b)}) {
+    entry.require(key, "the name of a body");
+    *name = entry.plain_name(key).value_or("");
+    const auto is_it = [&](const SceneBody& body) { return scene_body_name(body) == *name; };
+    if (!name->empty() && std::ranges::none_of(scene.bodies, is_it))
+      entry.refuse(IssueCode::config_bad_value, "no body is called \"" + *name + "\"", key);
+  }
+  if (!pair.a.empty() && pair.a == pair.b)
+    entry.refuse(IssueCode::config_bad_value, "a pair is of two bodies", "b");
+  pair.rule.friction = entry.number("friction", {0, 10}).value_or(pair.rule.friction);
+  pair.rule.collides = entry.flag("collides").value_or(true);
+  return pair;
+}
+
 Result<Scene> parse_scene_table(TomlTable& root) {
   Scene scene;
   scene.world = parse_world(root.table("world"));
@@ -163,6 +180,7 @@ Result<Scene> parse_scene_table(TomlTable& root) {
                 "body");
   else
     for (TomlTable& entry : bodies) scene.bodies.push_back(parse_body(entry, scene.bodies.size() + 1));
+  for (TomlTable& entry : root.tables("pair")) scene.pairs.push_back(parse_pair(entry, scene));
   if (root.status()) check_names(root, scene);
   if (auto status = root.finish(); !status) return status.issue();
   return scene;

@@ -48,9 +48,15 @@ struct SceneOutput {
   double plane_size_m = 1;  ///< side of the square that stands for a plane
 };
 
+struct ScenePair {
+  std::string a, b;  ///< names of bodies
+  PairRule rule;
+};
+
 struct Scene {
   WorldSettings world;
   std::vector<SceneBody> bodies;  ///< with names that are unique and fit for file names
+  std::vector<ScenePair> pairs;
   SceneOutput output;
 };
 

@@ -149,6 +149,17 @@ Status add_loads(World& world, BodyId body, const SceneSoftBody& soft) {
   return {};
 }
 
+Status set_pairs(const Scene& scene, SceneWorld& built) {
+  const auto body = [&](const std::string& name) {
+    const auto place = std::ranges::find(scene.bodies, name, scene_body_name);
+    return built.bodies[std::size_t(place - scene.bodies.begin())];
+  };
+  for (const ScenePair& pair : scene.pairs)
+    if (auto status = built.world.set_pair(body(pair.a), body(pair.b), pair.rule); !status)
+      return status;
+  return {};
+}
+
 Issue in_file(Issue issue, const std::filesystem::path& file) {
   if (issue.where.empty()) issue.where = file.string();
   return issue;
@@ -181,6 +192,7 @@ Result<SceneWorld> build_world(const Scene& scene) {
     if (soft != nullptr)
       if (auto status = add_loads(built.world, *id, *soft); !status) return status.issue();
   }
+  if (auto status = set_pairs(scene, built); !status) return status.issue();
   return built;
 }
 

@@ -102,6 +102,44 @@ TEST(HalfFactor, SolvesToAThousandthOfTheLargestEntry) {
   }
 }
 
+// Half of the body a million times as stiff, its border nodes moved: the loads of stiff nodes must not
+// drown those of the soft ones beside them.
+TEST(HalfFactor, ExtendsAMotionIntoSoftNodesBesideStiffOnes) {
+  Fixture f(0);
+  Material material = test::material_of(1e4, 0.4, 1000);
+  material.regions.push_back(material.regions[0]);
+  material.regions[1].name = "stiff";
+  material.regions[1].young_pa *= 1e6;
+  for (const Tet& tet : f.mesh.tets) {
+    double middle = 0;
+    for (const Index node : tet) middle += f.mesh.nodes[std::size_t(node)][0] / 4;
+    material.tet_region.push_back(middle < 0.1 ? 0 : 1);
+  }
+  const auto model = std::move(CorotationalModel::create(f.mesh, material)).value();
+  BlockMatrix a(model.pattern());
+  model.assemble_rest(0, 1, a);
+  Eigen::VectorXd u(3 * Eigen::Index{model.node_count()}), load = u;
+  for (Index node = 0; node < model.node_count(); ++node) {
+    const Point& p = f.mesh.nodes[std::size_t(node)];
+    node_entry(u, node) = Vec3(std::sin(20 * p[1]), std::cos(15 * p[2]), std::sin(25 * p[0]));
+  }
+  for (const Index node : f.inner) node_entry(u, node).setZero();
+  multiply(a, u, load);
+  HalfFactor half;
+  ASSERT_TRUE(half.create(a, f.mesh.nodes, f.inner));
+  SparseFactor exact;
+  exact.analyze(model.pattern(), model.rest_positions(), half.order());
+  ASSERT_TRUE(exact.factorize(a));
+  Eigen::VectorXd x(exact.size()), work(x.size());
+  for (std::size_t k = 0; k < half.order().size(); ++k)
+    x.segment<3>(3 * Eigen::Index(k)) = -node_entry(load, half.order()[k]);
+  Eigen::VectorXf y = x.cast<float>();
+  std::vector<float> half_work(half.work_size());
+  exact.solve(x, work);
+  half.solve(y.data(), half_work.data());
+  EXPECT_LT((x - y.cast<double>()).cwiseAbs().maxCoeff(), 5e-3 * x.cwiseAbs().maxCoeff());
+}
+
 TEST(HalfFactor, IsTheSameOnEveryRunAndAllocatesNothingToSolve) {
   const Fixture f(1e4);
   HalfFactor first, second;
@@ -132,7 +170,7 @@ TEST(HalfFactor, HoldsAnEmptyPart) {
 TEST(HalfProducts, AgreeWithPlainLoopsAndClampWhatIsTooLarge) {
   std::vector<float> values(16 * 6);
   for (std::size_t k = 0; k < values.size(); ++k) values[k] = std::sin(float(k)) / 3;
-  std::vector<std::uint16_t> halves;
+  PackedValues halves;
   append_halves(values, halves);
   const std::vector<float> x{1, -2, 3, 0.5F, 0.25F, -1};
   std::vector<float> y(16, 1), expected(16, 1), v(16), z(6, 2), expected_z(6, 2);
@@ -146,9 +184,9 @@ TEST(HalfProducts, AgreeWithPlainLoopsAndClampWhatIsTooLarge) {
   subtract_transposed_product(halves.data(), 16, 6, v.data(), z.data());
   for (std::size_t i = 0; i < 16; ++i) EXPECT_NEAR(y[i], expected[i], 2e-3);
   for (std::size_t j = 0; j < 6; ++j) EXPECT_NEAR(z[j], expected_z[j], 1e-2);
-  std::vector<std::uint16_t> large;
+  PackedValues large;
   append_halves(std::vector<float>{1e30F, -1e30F}, large);
-  EXPECT_EQ(large, (std::vector<std::uint16_t>{0x7bff, 0xfbff})) << "the largest halves, not infinity";
+  EXPECT_EQ(large, (PackedValues{0x7bff, 0xfbff})) << "the largest halves, not infinity";
 }
 
 }  // namespace

@@ -35,6 +35,21 @@ TEST(WorldInput, RefusesBadSettings) {
   EXPECT_TRUE(refused([](auto& s) { s.free_motion.tolerance = NAN; }));
 }
 
+TEST(WorldInput, RefusesPairsThatAreNone) {
+  World world = make_world(WorldSettings{});
+  const BodyId soft = add_soft(world, small_body(), Vec3::Zero()), plane = add_plane(world);
+  const auto code = [&](BodyId a, BodyId b, const PairRule& rule) {
+    const Status status = world.set_pair(a, b, rule);
+    return status.ok() ? IssueCode{} : status.issue().code;
+  };
+  EXPECT_EQ(code(soft, plane, {10, true}), IssueCode{});
+  EXPECT_EQ(code(soft, soft, {}), IssueCode::world_parameter_invalid);
+  EXPECT_EQ(code(soft, {7}, {}), IssueCode::world_parameter_invalid);
+  EXPECT_EQ(code({7}, soft, {}), IssueCode::world_parameter_invalid);
+  for (const double friction : {-1e-9, 10.1, double(NAN), double(INFINITY)})
+    EXPECT_EQ(code(soft, plane, {friction, true}), IssueCode::world_parameter_invalid) << friction;
+}
+
 TEST(WorldInput, RefusesBadBodies) {
   World world = make_world(WorldSettings{});
   const auto soft_code = [&](auto spoil) {

@@ -64,6 +64,27 @@ TEST(WorldLaws, BlockSticksJustBelowAndSlidesJustAboveTheFrictionAngle) {  // 4.
   EXPECT_NEAR(sliding.tangential, 0.5 * sliding.normal, 1e-6 * mass * g);
 }
 
+TEST(WorldLaws, APairOfBodiesHasAFrictionOfItsOwnOrNoContact) {
+  // On one slope: the first block sticks as the world has it, the second slides as its pair has it, the
+  // third falls through. Asked in both orders.
+  const double h = 2e-3, slope = 20 * M_PI / 180;
+  World world = make_world(settings_for(h, 0.5, 20));
+  const auto block = stiff_block(2, h);
+  BodyId body[3];
+  for (int k = 0; k < 3; ++k) body[k] = add_soft(world, block, {0, 0.5 * k, 0});
+  const BodyId plane = add_plane(world);
+  ASSERT_TRUE(world.set_pair(body[1], plane, {0.2, true}).ok());
+  ASSERT_TRUE(world.set_pair(plane, body[2], {0.5, true}).ok());
+  ASSERT_TRUE(world.set_pair(plane, body[2], {0.5, false}).ok()) << "the last one holds";
+  for (int k = 0; k < 200; ++k) step(world);
+  const double t = 200 * h;
+  EXPECT_LT(mean_velocity(world, body[0]).norm(), 1e-6);
+  EXPECT_NEAR(mean_velocity(world, body[1]).x(), g * (std::sin(slope) - 0.2 * std::cos(slope)) * t,
+              1e-2);
+  EXPECT_NEAR(mean_velocity(world, body[2]).z(), -g * std::cos(slope) * t, 1e-6);
+  EXPECT_EQ(contact_force(world, body[2]).norm(), 0);
+}
+
 TEST(WorldLaws, SlidingAccelerationOnSteepSlopesHasTheClosedForm) {  // 4.2
   EXPECT_NEAR(run_slope(30, 0.5).acceleration, 0.657145, 1e-3);
   EXPECT_NEAR(run_slope(45, 0.5).acceleration, 3.468358, 2e-3);

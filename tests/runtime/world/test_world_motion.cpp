@@ -176,6 +176,65 @@ TEST(WorldMotion, ACopiedStateGoesOnWithTheSameBits) {
   EXPECT_FALSE(other.copy_state(first).ok());
 }
 
+/// A soft box that falls on another and a plane, under the given integrator, made anew at every call.
+World heap(Integrator integrator) {
+  WorldSettings settings;
+  settings.integrator = integrator;
+  settings.time_step_s = integrator == Integrator::bdf2 ? 0.015 : 0.01;
+  World world = make_world(settings);
+  const auto asset = soft_box();
+  add_soft(world, asset, {0, 0, 0.05}, turned(30, {1, 1, 0}));
+  add_soft(world, asset, {0.03, 0.02, 0.4}, turned(50, {0, 1, 0}));
+  add_plane(world);
+  return world;
+}
+
+std::vector<std::byte> end_of(World& world, int steps) {
+  for (int k = 0; k < steps; ++k) step(world);
+  return world.snapshot();
+}
+
+TEST(WorldMotion, ARestoredSnapshotGoesOnWithTheSameBits) {
+  for (const Integrator integrator : {Integrator::implicit_euler, Integrator::bdf2}) {
+    World first = heap(integrator), second = heap(integrator);
+    const auto kept = end_of(first, 35);
+    const auto end = end_of(first, 30);
+    ASSERT_TRUE(second.restore(kept).ok());
+    EXPECT_NEAR(second.time_s(), 35 * (integrator == Integrator::bdf2 ? 0.015 : 0.01), 1e-12);
+    EXPECT_EQ(end_of(second, 30), end);
+    ASSERT_TRUE(first.restore(kept).ok()) << "back in time";
+    EXPECT_TRUE(first.contacts().empty());
+    EXPECT_EQ(first.snapshot(), kept);
+    EXPECT_EQ(end_of(first, 30), end);
+  }
+}
+
+TEST(WorldMotion, RefusesSnapshotsOfOtherWorldsAndDamagedOnes) {
+  World world = heap(Integrator::implicit_euler), other = heap(Integrator::bdf2);
+  const auto good = end_of(world, 20);
+  const auto is_refused = [&](World& into, std::span<const std::byte> bytes) {
+    const auto before = into.snapshot();
+    const Status status = into.restore(bytes);
+    EXPECT_EQ(into.snapshot(), before);
+    return !status && status.issue().code == IssueCode::snapshot_invalid;
+  };
+  EXPECT_TRUE(is_refused(other, good));
+
+  World larger = heap(Integrator::implicit_euler);
+  add_soft(larger, soft_box(), {0, 0, 2});
+  EXPECT_TRUE(is_refused(larger, good));
+  for (std::size_t size = 0; size < good.size(); size += 1 + good.size() / 97)
+    EXPECT_TRUE(is_refused(world, std::span(good).first(size))) << size;
+  for (std::size_t at = 0; at < good.size(); at += 1 + good.size() / 97) {
+    auto bad = good;
+    bad[at] ^= std::byte{0x10};
+    EXPECT_TRUE(is_refused(world, bad)) << at;
+  }
+  auto longer = good;
+  longer.resize(longer.size() + 8);
+  EXPECT_TRUE(is_refused(world, longer));
+}
+
 TEST(WorldMotion, StepAllocatesNothingOnceWarm) {
   WorldSettings settings;
   World world = make_world(settings);

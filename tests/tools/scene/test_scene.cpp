@@ -165,6 +165,26 @@ TEST(Scene, RefusesLoadsAndDrivenNodesThatContradictThemselves) {
             IssueCode::usage_conflict);
 }
 
+TEST(Scene, PairsNameTwoBodiesOfTheScene) {
+  const std::string two = soft + "name = \"a\"\n[[body]]\nkind = \"rigid\"\nshape = \"plane\"\nname = \"b\"\n";
+  const auto scene = parse_scene(two + "[[pair]]\na = \"b\"\nb = \"a\"\nfriction = 0.7\n" +
+                                     "[[pair]]\na = \"a\"\nb = \"b\"\ncollides = false\n",
+                                 "s.toml");
+  ASSERT_TRUE(scene.ok()) << format_issue(scene.issue());
+  ASSERT_EQ(scene->pairs.size(), 2u);
+  EXPECT_EQ(scene->pairs[0].a, "b");
+  EXPECT_EQ(scene->pairs[0].rule.friction, 0.7);
+  EXPECT_TRUE(scene->pairs[0].rule.collides);
+  EXPECT_FALSE(scene->pairs[1].rule.collides);
+  EXPECT_EQ(scene->pairs[1].rule.friction, scene->world.friction);
+  const auto code = [&](const std::string& pair) { return code_of(two + "[[pair]]\n" + pair); };
+  EXPECT_EQ(code("a = \"a\""), IssueCode::config_missing_key);
+  EXPECT_EQ(code("a = \"a\"\nb = \"c\""), IssueCode::config_bad_value);
+  EXPECT_EQ(code("a = \"a\"\nb = \"a\""), IssueCode::config_bad_value);
+  EXPECT_EQ(code("a = \"a\"\nb = \"b\"\nfriction = -1"), IssueCode::config_bad_value);
+  EXPECT_EQ(code("a = \"a\"\nb = \"b\"\ncolides = true"), IssueCode::config_unknown_key);
+}
+
 TEST(Scene, RefusesWhatIsMissing) {
   EXPECT_EQ(code_of(""), IssueCode::config_missing_key);
   EXPECT_EQ(code_of(world), IssueCode::config_missing_key);
