@@ -22,7 +22,7 @@ void add(const PaddedVector& from, PaddedVector& to) {
 
 }  // namespace
 
-int sweeps_that_pay(Index node_count) { return node_count < 10000 ? 1 : 2; }
+int sweeps_that_pay(Index node_count) { return node_count < 100000 ? 1 : 2; }
 
 MultigridPreconditioner::Level::Level(const BlockPattern& pattern)
     : a(pattern),

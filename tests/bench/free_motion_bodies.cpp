@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "runtime/multigrid/level_transitions.hpp"
 #include "tests/bench/bench_data.hpp"
 #include "tests/support/box_mesh.hpp"
 #include "tools/hierarchy/nested_hierarchy.hpp"
@@ -37,6 +38,8 @@ HeldBody held_body(const std::string& name, const TriangleMesh& surface, std::si
   content.level = body.levels.back();
   content.material = test::material_of(1e4, 0.4, 1000, 0.1, 0.01);
   content.fixed_sets.push_back(held_nodes(content.level.mesh));
+  content.multigrid = value_or_exit(store_transitions(body.levels));
+  content.coarsest_nodes = body.levels.front().mesh.nodes;
   body.asset = value_or_exit(SoftBodyAsset::create(std::move(content)));
   return body;
 }

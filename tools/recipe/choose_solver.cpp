@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/recipe/choose_solver.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <numeric>
@@ -83,10 +84,13 @@ Result<SolverKind> choose_solver(const Asset& asset) {
     auto solver = parts.make_solver(candidate.kind, body);
     if (!solver) continue;  // not possible for this body
     solver->set_system({&probe.a, probe.rotations});
+    // More iterations than would make it the best one are not worth the time of a bake.
+    const double per_iteration = candidate.per_unit * solver->work_units();
+    const int limit = int(std::clamp((least - candidate.setup) / per_iteration, 0.0, 1000.0));
     Eigen::VectorXd motion = Eigen::VectorXd::Zero(probe.load.size());
     const SolveReport report =
-        solver->solve(probe.load, {probe_tolerance, probe.load.norm(), 1000}, motion);
-    const double work = candidate.setup + candidate.per_unit * report.iterations * solver->work_units();
+        solver->solve(probe.load, {probe_tolerance, probe.load.norm(), limit}, motion);
+    const double work = candidate.setup + per_iteration * report.iterations;
     if (!report.converged || work >= least) continue;
     least = work;
     best = candidate.kind;

@@ -115,6 +115,12 @@ Result<std::vector<std::string>> variants_for(AssetReader& reader, const WorldSe
   return names;
 }
 
+// The automatic choice may come to a cycle on its way.
+bool may_use_levels(SolverKind kind) {
+  return kind == SolverKind::automatic || kind == SolverKind::multigrid ||
+         kind == SolverKind::multigrid_pcg || kind == SolverKind::warped_multigrid_pcg;
+}
+
 struct LoadedAsset {
   SharedAsset asset;
   AssetUse use;
@@ -130,6 +136,7 @@ Result<LoadedAsset> load_asset(const std::filesystem::path& file, const WorldSet
   if (!names) return names.issue();
   options.compliances = *names;
   options.no_compliances = names->empty();
+  options.multigrid = may_use_levels(settings.free_motion.solver);
   auto asset = load_soft_body(*reader, options);
   if (!asset) return asset.issue();
   loaded.asset = std::move(*asset);
