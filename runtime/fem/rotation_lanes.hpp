@@ -154,25 +154,17 @@ SOUPLE_KERNEL int orthonormalise(LaneVec3& v0, LaneVec3& v1, LaneVec3& v2) {
       _mm256_and_pd(is_good, _mm256_cmp_pd(larger, all_lanes(1e-200), _CMP_GT_OQ)));
 }
 
-SOUPLE_KERNEL LaneRotations qr(const LaneMat3& f) {
-  LaneVec3 column[3];
+/// Columns of F made orthonormal (QR), or its rows (Gram-Schmidt as in OpenTissue).
+template <bool by_columns>
+SOUPLE_KERNEL LaneRotations orthonormal(const LaneMat3& f) {
+  LaneVec3 line[3];
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) column[j].c[i] = f.m[i][j];
+    for (int j = 0; j < 3; ++j) line[i].c[j] = by_columns ? f.m[j][i] : f.m[i][j];
   LaneRotations result;
-  result.is_good = orthonormalise(column[0], column[1], column[2]);
+  result.is_good = orthonormalise(line[0], line[1], line[2]);
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) result.matrices.m[i][j] = column[j].c[i];
-  return result;
-}
-
-SOUPLE_KERNEL LaneRotations gram_schmidt(const LaneMat3& f) {
-  LaneVec3 row[3];
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) row[i].c[j] = f.m[i][j];
-  LaneRotations result;
-  result.is_good = orthonormalise(row[0], row[1], row[2]);
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) result.matrices.m[i][j] = row[i].c[j];
+    for (int j = 0; j < 3; ++j)
+      (by_columns ? result.matrices.m[j][i] : result.matrices.m[i][j]) = line[i].c[j];
   return result;
 }
 
@@ -191,7 +183,7 @@ SOUPLE_KERNEL void rotations_of(const LaneMat3* f, int pack_count, LaneRotations
       out[pack] = polar(f[pack], invariants[pack], root[pack]);
   } else {
     for (int pack = 0; pack < pack_count; ++pack)
-      out[pack] = method == RotationMethod::qr ? qr(f[pack]) : gram_schmidt(f[pack]);
+      out[pack] = orthonormal<method == RotationMethod::qr>(f[pack]);
   }
 }
 

@@ -41,6 +41,13 @@ int iterations(MultigridHierarchy hierarchy, const BoxProblem& p) {
   return report.converged ? report.iterations : -1;
 }
 
+void expect_few_iterations(Result<MultigridHierarchy> hierarchy, const BoxProblem& p) {
+  ASSERT_TRUE(hierarchy.ok());
+  const int count = iterations(std::move(*hierarchy), p);
+  EXPECT_GT(count, 0);
+  EXPECT_LE(count, 27);
+}
+
 Eigen::VectorXd one_cycle(MultigridHierarchy hierarchy, const BoxProblem& p) {
   MultigridPreconditioner cycle(std::make_shared<const MultigridHierarchy>(std::move(hierarchy)));
   EXPECT_TRUE(cycle.update({p.a.get(), {}}));
@@ -76,11 +83,7 @@ TEST(StoredLevels, AFixedPartThatCoversCoarseNodesConvergesAsFast) {
     if (p.model->rest_positions()[std::size_t(node)][0] < 0.13) p.fixed.push_back(node);
   for (const Index node : p.fixed) node_entry(p.b, node).setZero();
   fix(p.fixed, *p.a);
-  auto open = opened(stored_levels(p.levels), p);
-  ASSERT_TRUE(open.ok());
-  const int count = iterations(std::move(*open), p);
-  EXPECT_GT(count, 0);
-  EXPECT_LE(count, 27);
+  expect_few_iterations(opened(stored_levels(p.levels), p), p);
 }
 
 TEST(StoredLevels, NoneAreReplacedByLattices) {
@@ -90,9 +93,7 @@ TEST(StoredLevels, NoneAreReplacedByLattices) {
   auto open = opened({}, p);
   ASSERT_TRUE(open.ok());
   EXPECT_GE(open->level_count(), 2U);
-  const int count = iterations(std::move(*open), p);
-  EXPECT_GT(count, 0);
-  EXPECT_LE(count, 27);
+  expect_few_iterations(std::move(open), p);
 }
 
 TEST(StoredLevels, OfAnotherBodyAreRefused) {
