@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/collision/rigid_distance.hpp"
 
+#include <algorithm>
+#include <limits>
+
 namespace souple {
 namespace {
 
@@ -40,6 +43,14 @@ SignedDistance signed_distance(const RigidShape& shape, const RigidPlacement& at
       break;
     case RigidShapeKind::box:
       result = box_distance(as_vec3(shape.half_extents_m), local);
+      break;
+    case RigidShapeKind::capsule:
+      result = sphere_distance(
+          shape.radius_m,
+          local - std::clamp(local.z(), -shape.half_length_m, shape.half_length_m) * Vec3::UnitZ());
+      break;
+    case RigidShapeKind::mesh:
+      result = {std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
       break;
   }
   result.normal = at.rotation * result.normal;

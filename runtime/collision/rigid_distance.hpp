@@ -15,7 +15,8 @@ struct RigidPlacement {
 RigidPlacement placement(const Pose& pose);
 
 /// Signed distance of a point from a shape's surface (< 0 inside) and the outward unit normal there.
-/// The normal at a centre or a ridge, where it is not unique, is one of those that are nearest.
+/// The normal at a centre or a ridge, where it is not unique, is one of those that are nearest. Of
+/// analytic shapes only: a mesh has its surface tree, here it is nowhere near.
 struct SignedDistance {
   double distance = 0;
   Vec3 normal = Vec3::UnitZ();

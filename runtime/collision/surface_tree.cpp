@@ -1,56 +1,35 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/collision/surface_tree.hpp"
 
+#include <immintrin.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace souple {
 namespace {
 
 constexpr Index leaf_size = 4;
 
-struct DirectedEdge {
-  Index from, to, triangle;
-  int corner;
-};
-
-std::vector<std::array<Index, 3>> triangle_neighbours(std::span<const Triangle> triangles) {
-  std::vector<DirectedEdge> edges;
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k)
-      edges.push_back({triangles[t][k], triangles[t][(k + 1) % 3], static_cast<Index>(t), k});
-  const auto by_ends = [](const DirectedEdge& e) { return std::pair(e.from, e.to); };
-  std::ranges::sort(edges, {}, by_ends);
-  std::vector<std::array<Index, 3>> neighbours(triangles.size(), {-1, -1, -1});
-  for (const auto& edge : edges) {
-    const auto twin = std::ranges::lower_bound(edges, std::pair(edge.to, edge.from), {}, by_ends);
-    if (twin != edges.end() && twin->from == edge.to && twin->to == edge.from)
-      neighbours[edge.triangle][edge.corner] = twin->triangle;
-  }
-  return neighbours;
-}
-
 }  // namespace
 
 SurfaceTree::SurfaceTree(std::span<const Point> rest_positions, std::vector<Triangle> boundary)
-    : triangles_(std::move(boundary)),
-      neighbours_(triangle_neighbours(triangles_)),
-      nodes_(used_nodes(triangles_)),
-      order_(triangles_.size()) {
+    : triangles_(std::move(boundary)), topology_(triangles_), order_(triangles_.size()) {
   std::iota(order_.begin(), order_.end(), 0);
+  for (const Index node : topology_.nodes) rest_.push_back(as_vec3(rest_positions[node]));
   std::vector<Vec3> centres;
-  for (const auto& t : triangles_)
-    centres.push_back((as_vec3(rest_positions[t[0]]) + as_vec3(rest_positions[t[1]]) +
-                       as_vec3(rest_positions[t[2]])) /
-                      3);
+  for (const auto& t : topology_.corners)
+    centres.push_back((rest_[t[0]] + rest_[t[1]] + rest_[t[2]]) / 3);
   if (!triangles_.empty()) build(centres, 0, static_cast<Index>(triangles_.size()));
+  assign_features();
 }
 
 // Median split along the longest side of the centres' box: depth log2 of the count.
 void SurfaceTree::build(std::span<const Vec3> centres, Index first, Index last) {
   const auto self = tree_.size();
-  tree_.push_back({first, last - first, -1, -1});
+  tree_.push_back({first, last - first, -1, -1, -1});
   if (last - first <= leaf_size) return;
   Eigen::AlignedBox3d box;
   for (Index k = first; k < last; ++k) box.extend(centres[order_[k]]);
@@ -69,51 +48,112 @@ void SurfaceTree::build(std::span<const Vec3> centres, Index first, Index last) 
   build(centres, middle, last);
 }
 
+void SurfaceTree::assign_features() {
+  std::vector<char> vertex_taken(std::size_t(topology_.vertex_count()), 0);
+  std::vector<char> edge_taken(std::size_t(topology_.edge_count()), 0);
+  const auto close_leaf = [&] {
+    vertex_start_.push_back(static_cast<Index>(own_vertices_.size()));
+    edge_start_.push_back(static_cast<Index>(own_edges_.size()));
+    corner_start_.push_back(static_cast<Index>(corner_vertices_.size()));
+  };
+  close_leaf();
+  for (TreeNode& node : tree_) {
+    if (!node.is_leaf()) continue;
+    node.leaf = static_cast<Index>(vertex_start_.size()) - 1;
+    for (const Index t : leaf_triangles(node)) {
+      for (const Index v : topology_.corners[t]) {
+        corner_vertices_.push_back(v);
+        if (!std::exchange(vertex_taken[v], 1)) own_vertices_.push_back(v);
+      }
+      for (const Index e : topology_.triangle_edges[t])
+        if (!std::exchange(edge_taken[e], 1)) own_edges_.push_back(e);
+    }
+    const auto corners = corner_vertices_.begin() + corner_start_.back();
+    std::sort(corners, corner_vertices_.end());
+    corner_vertices_.erase(std::unique(corners, corner_vertices_.end()), corner_vertices_.end());
+    close_leaf();
+  }
+}
+
 std::size_t SurfaceTree::bytes() const {
-  return triangles_.size() * (sizeof(Triangle) + sizeof(neighbours_[0]) + sizeof(Index)) +
-         nodes_.size() * sizeof(Index) + tree_.size() * sizeof(TreeNode);
+  return topology_.bytes() + triangles_.size() * sizeof(Triangle) + rest_.size() * sizeof(Vec3) +
+         tree_.size() * sizeof(TreeNode) +
+         (order_.size() + own_vertices_.size() + own_edges_.size() + corner_vertices_.size() +
+          3 * vertex_start_.size()) *
+             sizeof(Index);
 }
 
-DeformedSurface::DeformedSurface(const SurfaceTree& tree) : tree_(&tree), boxes_(tree.tree_.size()) {
-  const Index last = tree.nodes_.empty() ? -1 : tree.nodes_.back();
-  vertex_normals_.assign(std::size_t(last + 1), Vec3::Zero());
-}
-
-Vec3 DeformedSurface::corner(Index triangle, int k) const {
-  return node_entry(*x_, tree_->triangles_[triangle][k]);
-}
+DeformedSurface::DeformedSurface(const SurfaceTree& tree)
+    : tree_(&tree), boxes_(tree.tree().size()), points_(tree.nodes().size()) {}
 
 Vec3 DeformedSurface::face_normal(Index triangle) const {
-  return (corner(triangle, 1) - corner(triangle, 0))
-      .cross(corner(triangle, 2) - corner(triangle, 0))
-      .normalized();
+  const Vec3 a = corner(triangle, 0);
+  return (corner(triangle, 1) - a).cross(corner(triangle, 2) - a).normalized();
+}
+
+void DeformedSurface::convert_points() {
+  const double* x = x_->data();
+  const auto nodes = tree_->nodes();
+  const __m128 sign = _mm_set1_ps(-0.0F);
+  const __m256i three = _mm256_set_epi64x(0, -1, -1, -1);
+  __m128 largest = _mm_setzero_ps();
+  for (std::size_t v = 0; v < nodes.size(); ++v) {
+    const __m128 at = _mm256_cvtpd_ps(_mm256_maskload_pd(x + 3 * std::ptrdiff_t{nodes[v]}, three));
+    _mm_store_ps(points_[v].at.data(), at);
+    largest = _mm_max_ps(largest, _mm_andnot_ps(sign, at));
+  }
+  alignas(16) std::array<float, 4> sides;
+  _mm_store_ps(sides.data(), largest);
+  // Half a unit in the last place, twice over for the subtraction that widens the boxes.
+  rounding_ = std::max({sides[0], sides[1], sides[2]}) * 0x1p-22F + 1e-37F;
 }
 
 void DeformedSurface::refit(const Eigen::VectorXd& x) {
   x_ = &x;
-  for (std::size_t n = tree_->tree_.size(); n-- > 0;) {
-    const auto& node = tree_->tree_[n];
-    Eigen::AlignedBox3d box;
-    for (Index k = node.first; k < node.first + node.count; ++k)
-      for (int c = 0; c < 3; ++c) box.extend(corner(tree_->order_[k], c));
-    if (node.count == 0) box = boxes_[node.left].merged(boxes_[node.right]);
-    boxes_[n] = box;
+  convert_points();
+  const auto tree = tree_->tree();
+  const __m128 margin = _mm_set_ps(0, rounding_, rounding_, rounding_);
+  for (std::size_t n = tree.size(); n-- > 0;) {
+    __m128 low, high;
+    if (tree[n].is_leaf()) {
+      const auto corners = tree_->leaf_corners(tree[n]);
+      low = high = _mm_load_ps(points_[corners[0]].at.data());
+      for (const Index v : corners.subspan(1)) {
+        const __m128 at = _mm_load_ps(points_[v].at.data());
+        low = _mm_min_ps(low, at);
+        high = _mm_max_ps(high, at);
+      }
+      low = _mm_sub_ps(low, margin);
+      high = _mm_add_ps(high, margin);
+    } else {
+      const FloatBox& left = boxes_[tree[n].left];
+      const FloatBox& right = boxes_[tree[n].right];
+      low = _mm_min_ps(_mm_load_ps(left.low.data()), _mm_load_ps(right.low.data()));
+      high = _mm_max_ps(_mm_load_ps(left.high.data()), _mm_load_ps(right.high.data()));
+    }
+    _mm_store_ps(boxes_[n].low.data(), low);
+    _mm_store_ps(boxes_[n].high.data(), high);
   }
-  update_normals();
+  bounds_.setEmpty();
+  if (boxes_.empty()) return;
+  for (int k = 0; k < 3; ++k) {
+    bounds_.min()[k] = double(boxes_[0].low[k]);
+    bounds_.max()[k] = double(boxes_[0].high[k]);
+  }
 }
 
-void DeformedSurface::update_normals() {
-  for (const Index node : tree_->nodes_) vertex_normals_[node].setZero();
-  for (std::size_t t = 0; t < tree_->triangles_.size(); ++t) {
-    const auto triangle = static_cast<Index>(t);
-    const Vec3 normal = face_normal(triangle);
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 u = corner(triangle, (k + 1) % 3) - corner(triangle, k);
-      const Vec3 v = corner(triangle, (k + 2) % 3) - corner(triangle, k);
-      vertex_normals_[tree_->triangles_[t][k]] += std::atan2(u.cross(v).norm(), u.dot(v)) * normal;
-    }
+Vec3 DeformedSurface::normal_of_vertex(Index vertex) const {
+  Vec3 sum = Vec3::Zero();
+  for (const Index t : topology().fan(vertex)) {
+    const auto& c = topology().corners[t];
+    const int k = c[0] == vertex ? 0 : (c[1] == vertex ? 1 : 2);
+    const Vec3 at = corner(t, k);
+    const Vec3 u = corner(t, (k + 1) % 3) - at, v = corner(t, (k + 2) % 3) - at;
+    const Vec3 area = u.cross(v);
+    const double length = area.norm();
+    if (length > 0) sum += (std::atan2(length, u.dot(v)) / length) * area;
   }
-  for (const Index node : tree_->nodes_) vertex_normals_[node].normalize();
+  return sum.normalized();
 }
 
 SurfaceHit DeformedSurface::closest(const Vec3& point, double radius) const {
@@ -123,19 +163,18 @@ SurfaceHit DeformedSurface::closest(const Vec3& point, double radius) const {
   int top = 0;
   if (!boxes_.empty()) stack[top++] = 0;
   while (top > 0) {
-    const auto& node = tree_->tree_[stack[--top]];
-    for (Index k = node.first; k < node.first + node.count; ++k) {
-      const Index t = tree_->order_[k];
-      const auto closest = closest_on_triangle(point, corner(t, 0), corner(t, 1), corner(t, 2));
+    const auto& node = tree_->tree()[stack[--top]];
+    for (const Index t : tree_->leaf_triangles(node)) {
+      const auto closest = closest_on(t, point);
       const double distance2 = (point - closest.point).squaredNorm();
       if (distance2 < best) {
         best = distance2;
         hit = {t, closest, 0};
       }
     }
-    if (node.count > 0) continue;
-    const double left = boxes_[node.left].squaredExteriorDistance(point);
-    const double right = boxes_[node.right].squaredExteriorDistance(point);
+    if (node.is_leaf()) continue;
+    const double left = squared_distance(boxes_[node.left], point);
+    const double right = squared_distance(boxes_[node.right], point);
     // The nearer child is pushed last, so that it is searched first.
     if (std::max(left, right) < best) stack[top++] = left < right ? node.right : node.left;
     if (std::min(left, right) < best) stack[top++] = left < right ? node.left : node.right;
@@ -144,13 +183,13 @@ SurfaceHit DeformedSurface::closest(const Vec3& point, double radius) const {
   return hit;
 }
 
-Vec3 DeformedSurface::pseudo_normal(const SurfaceHit& hit) const {
-  const int feature = hit.closest.feature;
-  if (feature < 3) return vertex_normals_[tree_->triangles_[hit.triangle][feature]];
-  const Vec3 own = face_normal(hit.triangle);
-  if (feature == 6) return own;
-  const Index neighbour = tree_->neighbours_[hit.triangle][feature - 3];
-  return neighbour < 0 ? own : Vec3((own + face_normal(neighbour)).normalized());
+Vec3 DeformedSurface::pseudo_normal(Index triangle, const ClosestOnTriangle& closest) const {
+  const int feature = closest.feature;
+  if (feature < 3) return normal_of_vertex(topology().corners[triangle][feature]);
+  if (feature == 6) return face_normal(triangle);
+  const auto& edge = topology().edges[topology().triangle_edges[triangle][feature - 3]];
+  const Vec3 first = face_normal(edge.triangle[0]);
+  return edge.triangle[1] < 0 ? first : Vec3((first + face_normal(edge.triangle[1])).normalized());
 }
 
 }  // namespace souple

@@ -116,14 +116,18 @@ void sum_blocks(const DelassusWork<float>& work, std::size_t width, std::size_t 
 }
 #endif
 
-void add_scaled_block(const auto& block, double factor, double* target, std::size_t stride) {
+template <class Target>
+void add_scaled_block(const auto& block, double factor, Target* target, std::size_t stride) {
   for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) target[i * stride + j] += factor * double(block[4 * i + j]);
+    for (std::size_t j = 0; j < 3; ++j)
+      target[i * stride + j] += Target(factor * double(block[4 * i + j]));
 }
 
-void add_scaled_transpose(const auto& block, double factor, double* target, std::size_t stride) {
+template <class Target>
+void add_scaled_transpose(const auto& block, double factor, Target* target, std::size_t stride) {
   for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t j = 0; j < 3; ++j) target[j * stride + i] += factor * double(block[4 * i + j]);
+    for (std::size_t j = 0; j < 3; ++j)
+      target[j * stride + i] += Target(factor * double(block[4 * i + j]));
 }
 
 // Slots and groups of the touches.
@@ -157,11 +161,12 @@ std::size_t multiply_lower(const NodeCompliance<Scalar>& compliance, std::size_t
 
 }  // namespace
 
-template <class Scalar>
+template <class Scalar, class Target>
 void add_to_delassus(const ContactGeometry& body, const NodeCompliance<Scalar>& compliance,
-                     double factor, std::span<double> delassus, DelassusWork<Scalar>& work) {
+                     double factor, const DelassusTarget<Target>& delassus,
+                     DelassusWork<Scalar>& work) {
   const std::span<const Touch> touches = body.touches;
-  const std::size_t stride = 3 * body.frames.size();
+  const std::size_t stride = delassus.stride;
   contact_jacobians(body, work.jacobian);
   index_touches(touches, compliance.slot, work);
   work.rows.resize(9 * compliance.slot.size());
@@ -173,41 +178,49 @@ void add_to_delassus(const ContactGeometry& body, const NodeCompliance<Scalar>& 
       Scalar sum[12];
       sum_blocks(work, width, work.group[j], work.group[j + 1], sum);
       const auto other = 3 * std::size_t(touches[work.group[j]].contact);
-      if (other <= contact) add_scaled_block(sum, factor, &delassus[contact * stride + other], stride);
+      if (other <= contact)
+        add_scaled_block(sum, factor, delassus.values + contact * stride + other, stride);
       if (other >= contact)
-        add_scaled_transpose(sum, factor, &delassus[other * stride + contact], stride);
+        add_scaled_transpose(sum, factor, delassus.values + other * stride + contact, stride);
     }
   }
 }
 
 template void add_to_delassus(const ContactGeometry&, const NodeCompliance<float>&, double,
-                              std::span<double>, DelassusWork<float>&);
+                              const DelassusTarget<float>&, DelassusWork<float>&);
+template void add_to_delassus(const ContactGeometry&, const NodeCompliance<float>&, double,
+                              const DelassusTarget<double>&, DelassusWork<float>&);
 template void add_to_delassus(const ContactGeometry&, const NodeCompliance<double>&, double,
-                              std::span<double>, DelassusWork<double>&);
+                              const DelassusTarget<float>&, DelassusWork<double>&);
+template void add_to_delassus(const ContactGeometry&, const NodeCompliance<double>&, double,
+                              const DelassusTarget<double>&, DelassusWork<double>&);
 
 // C_rigid between a and b is [I, A] diag(1/m, J^-1) [I, B]^T with A the cross product with a - centre.
+template <class Target>
 void add_rigid_to_delassus(const ContactGeometry& body, const RigidModes& modes,
-                           std::span<const Vec3> points, double factor, std::span<double> delassus,
-                           DelassusWork<double>& work) {
+                           std::span<const Vec3> points, double factor,
+                           const DelassusTarget<Target>& delassus, DelassusWork<double>& work) {
   using Rows = Eigen::Map<Eigen::Matrix<double, 3, 6, Eigen::RowMajor>>;
-  const std::size_t stride = 3 * body.frames.size();
+  const std::size_t stride = delassus.stride;
   contact_jacobians(body, work.jacobian);
   work.rows.assign(18 * body.frames.size(), 0.0);
-  const auto motions = [&](Index contact) { return Rows(&work.rows[18 * std::size_t(contact)]); };
+  const auto motions = [&](Index contact) -> Rows {
+    return Rows(&work.rows[18 * std::size_t(contact)]);
+  };
   for (std::size_t t = 0; t < body.touches.size(); ++t) {
     const Eigen::Map<const Mat3, 0, Eigen::OuterStride<4>> g(&work.jacobian[12 * t]);
-    auto rows = motions(body.touches[t].contact);
+    Rows rows = motions(body.touches[t].contact);
     rows.leftCols<3>() += g;
     const Vec3 arm = points[std::size_t(body.touches[t].node)] - modes.centre();
     for (int i = 0; i < 3; ++i) rows.block<1, 3>(i, 3) += g.row(i).cross(arm.transpose());
   }
   for (std::size_t i = 0, i_end; i < body.touches.size(); i = i_end) {
     i_end = group_end(body.touches, i);
-    const auto left = motions(body.touches[i].contact);
-    double* row = delassus.data() + 3 * std::size_t(body.touches[i].contact) * stride;
+    const Rows left = motions(body.touches[i].contact);
+    Target* row = delassus.values + 3 * std::size_t(body.touches[i].contact) * stride;
     for (std::size_t j = 0, j_end; j <= i; j = j_end) {
       j_end = group_end(body.touches, j);
-      const auto right = motions(body.touches[j].contact);
+      const Rows right = motions(body.touches[j].contact);
       Eigen::Matrix<double, 3, 4, Eigen::RowMajor> block;
       block.leftCols<3>() =
           modes.inverse_mass() * left.leftCols<3>() * right.leftCols<3>().transpose() +
@@ -218,15 +231,25 @@ void add_rigid_to_delassus(const ContactGeometry& body, const RigidModes& modes,
   }
 }
 
+template void add_rigid_to_delassus(const ContactGeometry&, const RigidModes&, std::span<const Vec3>,
+                                    double, const DelassusTarget<float>&, DelassusWork<double>&);
+template void add_rigid_to_delassus(const ContactGeometry&, const RigidModes&, std::span<const Vec3>,
+                                    double, const DelassusTarget<double>&, DelassusWork<double>&);
+
 // By tiles, so that neither side strides through memory.
-void mirror_delassus(std::size_t contact_count, std::span<double> delassus) {
+template <class Target>
+void mirror_delassus(std::size_t contact_count, const DelassusTarget<Target>& delassus) {
   constexpr std::size_t tile = 16;
   const std::size_t size = 3 * contact_count;
+  const auto& [values, stride] = delassus;
   for (std::size_t row0 = 0; row0 < size; row0 += tile)
     for (std::size_t col0 = 0; col0 <= row0; col0 += tile)
       for (std::size_t row = row0; row < std::min(row0 + tile, size); ++row)
         for (std::size_t col = col0; col < std::min(col0 + tile, row); ++col)
-          delassus[col * size + row] = delassus[row * size + col];
+          values[col * stride + row] = values[row * stride + col];
 }
+
+template void mirror_delassus(std::size_t, const DelassusTarget<float>&);
+template void mirror_delassus(std::size_t, const DelassusTarget<double>&);
 
 }  // namespace souple

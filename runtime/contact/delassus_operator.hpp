@@ -32,6 +32,13 @@ struct ContactGeometry {
   std::span<const Mat3> rotations;  ///< of every contact node: R in C = R C0 R^T
 };
 
+/// Where W is written: row-major, symmetric.
+template <class Target>
+struct DelassusTarget {
+  Target* values = nullptr;
+  std::size_t stride = 0;  ///< between rows
+};
+
 /// Scratch memory; nothing is allocated once it has grown.
 template <class Scalar>
 struct DelassusWork {
@@ -42,20 +49,22 @@ struct DelassusWork {
 };
 
 /// Adds factor H R C0 R^T H^T of one body to the lower block triangle of the Delassus operator W
-/// (3m x 3m, row-major): compliance warping (METHOD 4.2) in one pass over half of C0. With C0 = L +
+/// (3m x 3m): compliance warping (METHOD 4.2) in one pass over half of C0. With C0 = L +
 /// L^T, L its lower half with half of the diagonal blocks, it adds X + X^T, X = factor G L G^T, G = H
 /// R. W is symmetric to the bit after mirror_delassus.
-template <class Scalar>
+template <class Scalar, class Target>
 void add_to_delassus(const ContactGeometry& body, const NodeCompliance<Scalar>& compliance,
-                     double factor, std::span<double> delassus, DelassusWork<Scalar>& work);
+                     double factor, const DelassusTarget<Target>& delassus, DelassusWork<Scalar>& work);
 
 /// Adds factor H R C_rigid R^T H^T, C_rigid the rigid motions' part between contact nodes at the rest
 /// positions `points`, to the same triangle.
+template <class Target>
 void add_rigid_to_delassus(const ContactGeometry& body, const RigidModes& modes,
-                           std::span<const Vec3> points, double factor, std::span<double> delassus,
-                           DelassusWork<double>& work);
+                           std::span<const Vec3> points, double factor,
+                           const DelassusTarget<Target>& delassus, DelassusWork<double>& work);
 
 /// Copies the lower triangle to the upper one.
-void mirror_delassus(std::size_t contact_count, std::span<double> delassus);
+template <class Target>
+void mirror_delassus(std::size_t contact_count, const DelassusTarget<Target>& delassus);
 
 }  // namespace souple

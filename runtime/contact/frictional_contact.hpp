@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "runtime/world/settings.hpp"
+#include "runtime/contact/contact_gauss_seidel.hpp"
 
 namespace souple {
 
@@ -13,19 +13,13 @@ namespace souple {
 /// and a slip (m), r a force (N).
 struct FrictionalContactProblem {
   std::size_t contact_count = 0;
-  std::span<const double> delassus;  ///< W: row-major, 3m x 3m, symmetric, positive semi-definite
+  std::span<const double> delassus;  ///< W: column-major, 3m x 3m; mostly symmetric, semi-definite
   std::span<const double> free_gap;  ///< q: 3m
   std::span<const double> friction;  ///< mu >= 0: m
 };
 
-struct ContactSolveReport {
-  int sweeps = 0;
-  bool converged = false;  ///< by the solver's own criterion; judge by natural_map_residual
-};
-
-/// NLCP Gauss-Seidel (METHOD 4, Alg. 13 corrected; Duriez et al. 2006) in update form: `gap` = W r + q
-/// is kept current, and W's rows are touched only where a force changed. `force` holds the start and
-/// receives the result; `gap` receives u. Both 3m.
+/// solve_by_gauss_seidel on a dense W in double precision: a reference for small problems; allocates.
+/// `force` holds the start and receives the result; `gap` receives u. Both 3m.
 ContactSolveReport solve_frictional_contact(const FrictionalContactProblem& problem,
                                             const ContactSolverSettings& settings,
                                             std::span<double> force, std::span<double> gap);

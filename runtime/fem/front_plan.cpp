@@ -42,6 +42,10 @@ class FrontPlanner {
     FrontPlan::Front front;
     front.begin = tree_.begin[piece];
     front.end = tree_.begin[piece + 1];
+    front.subtree_begin = front.begin;
+    for (const Index child : children_[piece])
+      front.subtree_begin =
+          std::min(front.subtree_begin, plan_.fronts[std::size_t(child)].subtree_begin);
     front.border_begin = plan_.border.size();
     collect_border(piece, front);
     front.border_end = plan_.border.size();

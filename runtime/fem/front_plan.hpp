@@ -16,6 +16,7 @@ struct FrontPlan {
   };
   struct Front {
     Index begin = 0, end = 0;                      ///< own nodes in the order
+    Index subtree_begin = 0;                       ///< up to `end`: its own and its descendants' nodes
     std::size_t border_begin = 0, border_end = 0;  ///< in `border`
     std::size_t entry_begin = 0, entry_end = 0;    ///< in `entries`
     std::size_t child_begin = 0, child_end = 0;    ///< in `children`

@@ -26,24 +26,25 @@ void SparseFactor::analyze(const BlockPattern& pattern, std::span<const Point> p
   panels_.resize(plan_.panel_scalars);
   stack_.resize(plan_.stack_scalars);
   update_.resize(plan_.update_scalars);
+  std::size_t strips = 0;
+  for (const FrontPlan::Front& front : plan_.fronts)
+    strips = std::max(strips, square_work(3 * front.border(), 3 * front.own()));
+  strips_.resize(strips);
 }
 
 bool SparseFactor::factorize(const BlockMatrix& a) {
   open_ = 0;
   for (const FrontPlan::Front& front : plan_.fronts) {
-    const auto size = Eigen::Index(3 * front.size()), own = Eigen::Index(3 * front.own());
-    const Eigen::Index border = size - own;
+    const std::size_t size = 3 * front.size(), own = 3 * front.own(), border = size - own;
+    double* const panel = panels_.data() + front.panel_begin;
     load_front(front, a);
     for (std::size_t k = front.child_begin; k < front.child_end; ++k)
       add_update(plan_.fronts[std::size_t(plan_.children[k])], front);
-    const DenseView panel(panels_.data() + front.panel_begin, size, own, Eigen::OuterStride<>(size));
-    if (!factorize_panel(panel)) return false;
+    if (!factorize_panel(panel, size, own)) return false;
     if (border == 0) continue;
-    const DenseView below(panels_.data() + front.panel_begin + own, border, own,
-                          Eigen::OuterStride<>(size));
-    subtract_square(below, DenseView(update_.data(), border, border, Eigen::OuterStride<>(border)));
-    std::copy_n(update_.data(), border * border, stack_.data() + open_);
-    open_ += std::size_t(border * border);
+    subtract_square({panel + own, size, border, own}, update_.data(), stack_.data() + open_,
+                    strips_.data());
+    open_ += border * border;
   }
   return true;
 }
@@ -126,8 +127,13 @@ void SparseFactor::solve(Values x, Values work) const {
     x.segment<3>(3 * Eigen::Index(k)) = work.segment<3>(3 * Eigen::Index{place_[k]});
 }
 
+void SparseFactor::inverse_block(std::span<const Index> chosen, std::span<double> block,
+                                 InverseBlockWork& work) const {
+  work.evaluate(plan_, panels_.data(), place_, chosen, block);
+}
+
 std::size_t SparseFactor::bytes() const {
-  return (panels_.size() + stack_.size() + update_.size()) * sizeof(double) +
+  return (panels_.size() + stack_.size() + update_.size() + strips_.size()) * sizeof(double) +
          plan_.entries.size() * sizeof(plan_.entries[0]) +
          plan_.fronts.size() * sizeof(plan_.fronts[0]) +
          (plan_.order.size() + plan_.border.size() + plan_.children.size() + plan_.map.size() +

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "runtime/fem/block_matrix.hpp"
-#include "runtime/fem/front_plan.hpp"
+#include "runtime/fem/inverse_block.hpp"
 
 namespace souple {
 
@@ -21,6 +21,11 @@ class SparseFactor {
   Eigen::Index size() const { return 3 * Eigen::Index(place_.size()); }
   /// x = A^-1 x. `x` and `work` have size() entries and do not overlap.
   void solve(Eigen::Ref<Eigen::VectorXd> x, Eigen::Ref<Eigen::VectorXd> work) const;
+  /// Rows and columns of A^-1 at some of the chosen nodes. `chosen`: positions among the nodes given to
+  /// analyze, in any order. `block`: (3n)^2 numbers, row-major, symmetric to the bit. Allocates nothing
+  /// once `work` was used for as many nodes.
+  void inverse_block(std::span<const Index> chosen, std::span<double> block,
+                     InverseBlockWork& work) const;
   /// Of what a solve reads twice.
   std::size_t factor_bytes() const { return panels_.size() * sizeof(double); }
   std::size_t bytes() const;
@@ -39,6 +44,7 @@ class SparseFactor {
   std::vector<double> panels_;  ///< own columns of every front, by columns
   std::vector<double> stack_;   ///< open updates
   std::vector<double> update_;  ///< of the front in work
+  std::vector<double> strips_;  ///< of its border, in the order of the products
   std::size_t open_ = 0;        ///< scalars on the stack
 };
 

@@ -18,6 +18,7 @@ class AppliedLoad {
   static Result<AppliedLoad> create(const LoadDescription& description, const SoftBodyAsset& asset,
                                     const Eigen::VectorXd& x);
 
+  bool changes() const { return course_.size() > 1; }  ///< with time
   bool is_pressure() const { return kind_ == LoadKind::pressure; }
   /// From now on this value, at all times. Issue load_invalid, unchanged. Allocates nothing.
   Status set(const LoadKeyframe& value, const std::string& where);

@@ -62,6 +62,17 @@ void SoftBody::take_history(const SoftBody& other, bool same_step) {
   history.velocity = other.history.velocity;
 }
 
+bool SoftBody::may_rest() const {
+  return driven.empty() &&
+         std::ranges::none_of(loads, [](const AppliedLoad& one) { return one.changes(); });
+}
+
+void SoftBody::stop() {
+  v.setZero();
+  motion.setZero();
+  history.valid = false;
+}
+
 double SoftBody::work_of_loads() const {
   return applied_load_.size() > 0 ? applied_load_.dot(motion) : 0;
 }
@@ -85,6 +96,19 @@ double SoftBody::largest_speed() const {
   double largest = 0;
   for (Index node = 0; node < asset->model().node_count(); ++node)
     largest = std::max(largest, node_entry(v, node).squaredNorm());
+  return std::sqrt(largest);
+}
+
+Vec3 SoftBody::mean_velocity() const {
+  Vec3 sum = Vec3::Zero();
+  for (const Index node : asset->surface().nodes()) sum += node_entry(v, node);
+  return sum / double(std::max<std::size_t>(1, asset->surface().nodes().size()));
+}
+
+double SoftBody::largest_deviation(const Vec3& velocity) const {
+  double largest = 0;
+  for (const Index node : asset->surface().nodes())
+    largest = std::max(largest, (node_entry(v, node) - velocity).squaredNorm());
   return std::sqrt(largest);
 }
 

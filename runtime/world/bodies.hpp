@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "runtime/collision/rigid_distance.hpp"
 #include "runtime/collision/surface_tree.hpp"
 #include "runtime/fem/sparse_factor.hpp"
 #include "runtime/solve/step_solver.hpp"
@@ -33,6 +32,12 @@ struct StepHistory {
   Eigen::VectorXd motion, velocity;  ///< 3n: x_n - x_n-1, v_n-1
   Eigen::VectorXd free_motion;       ///< 3n: of this step, before the contacts
   Eigen::VectorXd load;              ///< of the solve that starts it
+};
+
+/// What keeps warped contact forces from growing near rest; see choose_relaxation.
+struct Stabilisation {
+  int growing_steps = 0;  ///< in a row in which the forces overshot more and more
+  double relaxation = 1;  ///< >= 1: multiplies the warped compliance
 };
 
 /// State and work space of one soft body; everything is allocated when it is made.
@@ -66,6 +71,9 @@ struct SoftBody {
   double energy_of_warping(double time_step_s);
   void remove_kinetic_energy(double energy_j);
   void take_history(const SoftBody& other, bool same_step);
+  /// Whether nothing but contacts can end its rest: no driven nodes, no load that changes in time.
+  bool may_rest() const;
+  void stop();  ///< without velocity
   void add_load(AppliedLoad added);
   double work_of_loads() const;  ///< in the step whose motion was taken, J
   double kinetic_energy() const;
@@ -74,9 +82,13 @@ struct SoftBody {
   Vec3 linear_momentum() const;   ///< kg m/s
   Vec3 angular_momentum() const;  ///< about the origin, kg m^2/s
   double largest_speed() const;
+  Vec3 mean_velocity() const;                            ///< of the surface nodes, m/s
+  double largest_deviation(const Vec3& velocity) const;  ///< of a surface node's from it, m/s
 
   std::shared_ptr<const SoftBodyAsset> asset;
   std::string name;
+  CollisionFilter filter;
+  bool self_contact = false;
   const BodyCompliance* compliance = nullptr;  ///< warped contact
   double compliance_scale = 1;                 ///< stored C0 times this is A0^-1
   std::optional<SparseFactor> factor;          ///< exact contact: of the present A
@@ -89,8 +101,9 @@ struct SoftBody {
   Eigen::VectorXd motion, load;  ///< 3n: dx of this step, right side b
   Eigen::VectorXd prescribed;    ///< 3n: dx of driven nodes in this step, else 0; empty: none driven
   StepHistory history;           ///< sized for BDF2 only
-  Eigen::VectorXd rest_frame;    ///< 3n: scratch; of the correction in the rest frame
-  Eigen::VectorXd work;          ///< exact contact
+  Stabilisation stabilisation;
+  Eigen::VectorXd rest_frame;         ///< 3n: scratch; of the correction in the rest frame
+  Eigen::VectorXd work;               ///< exact contact
   std::vector<float> extension_work;  ///< warped contact
   std::vector<Mat3> element_rotations, node_rotations;
   CornerVectors gradients, corner_forces;  ///< of the elements, rotated; scratch of a step
@@ -111,12 +124,6 @@ struct SoftBody {
   double mass_norm_ = 0;          ///< root of the sum of squared nodal masses, kg
   Eigen::VectorXd applied_load_;  ///< 3n: of the loads alone, N; empty: no loads
   Eigen::VectorXd driven_pull_;   ///< 3n: A times `prescribed` before its columns were cleared
-};
-
-struct RigidBody {
-  std::string name;
-  RigidShape shape;
-  std::vector<Keyframe> path;
 };
 
 }  // namespace souple

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "runtime/collision/rigid_distance.hpp"
 #include "runtime/world/explicit_limit.hpp"
 #include "runtime/world/integrator.hpp"
 #include "runtime/world/rigid_path.hpp"
@@ -45,15 +46,17 @@ std::string describe(const WorldSettings& settings) {
 }  // namespace
 
 Status check_pair(const PairRule& rule, const std::string& where) {
-  if (in_range(rule.friction, 0, largest_friction)) return {};
-  return refuse("friction " + std::to_string(rule.friction) + " is outside [0, 10]", where);
+  if (!in_range(rule.friction, 0, largest_friction))
+    return refuse("friction " + std::to_string(rule.friction) + " is outside [0, 10]", where);
+  if (in_range(rule.restitution, 0, 1)) return {};
+  return refuse("restitution " + std::to_string(rule.restitution) + " is outside [0, 1]", where);
 }
 
 Status check_settings(const WorldSettings& s) {
   if (!in_range(s.time_step_s, 1e-7, 10))
     return refuse("time step " + std::to_string(s.time_step_s) + " s is outside [1e-7, 10]",
                   "time_step_s");
-  if (s.integrator == Integrator::explicit_euler && s.contact_method != ContactMethod::exact)
+  if (s.integrator == Integrator::explicit_euler && s.contact_method == ContactMethod::warped)
     return make_issue(IssueCode::world_parameter_invalid,
                       "no compliance can be stored for the explicit integrator", "contact_method",
                       "Use the exact contact method: it costs nothing here, A is diagonal.");
@@ -64,6 +67,10 @@ Status check_settings(const WorldSettings& s) {
     return refuse("the alarm distance is out of range", "alarm_distance_m");
   if (!in_range(s.contact_passes, 1, 20))
     return refuse("contact passes must be in [1, 20]", "contact_passes");
+  if (!in_range(s.penalty_stiffness_n_m, 0, 1e12))
+    return refuse("the penalty stiffness is out of range", "penalty_stiffness_n_m");
+  if (!in_range(s.sleep_after_s, 0, 1e6) || !in_range(s.sleep_speed, 0, 1e3))
+    return refuse("sleep_after_s must be in [0, 1e6] and sleep_speed in [0, 1e3]", "sleep");
   if (!in_range(s.contact_solver.tolerance, 0, 1) || !in_range(s.contact_solver.max_sweeps, 1, 1e6))
     return refuse("tolerance must be in [0, 1] and sweeps in [1, 1e6]", "contact solver");
   if (!in_range(s.free_motion.tolerance, 0, 1) || !in_range(s.free_motion.max_iterations, 1, 1e6))
@@ -82,8 +89,21 @@ Status check_soft_body(const SoftBodyDescription& d) {
 Status check_rigid_body(const RigidBodyDescription& d) {
   if (auto status = check_path(d.path, IssueCode::world_parameter_invalid, d.name); !status)
     return status;
-  if (d.shape.kind == RigidShapeKind::sphere && !in_range(d.shape.radius_m, 1e-9, largest_length))
+  const bool round = d.shape.kind == RigidShapeKind::sphere || d.shape.kind == RigidShapeKind::capsule;
+  if (round && !in_range(d.shape.radius_m, 1e-9, largest_length))
     return refuse("the radius is out of range", d.name);
+  if (d.shape.kind == RigidShapeKind::capsule && !in_range(d.shape.half_length_m, 0, largest_length))
+    return refuse("the half length is out of range", d.name);
+  if ((d.shape.kind == RigidShapeKind::mesh) != bool(d.shape.mesh))
+    return refuse("a mesh is given for the shape that is one, and no other", d.name);
+  if (d.free) {
+    if (d.path.size() != 1) return refuse("a free body has the one pose where it starts", d.name);
+    if (!in_range(d.free->mass_kg, 0, 1e12) || !in_range(d.free->density_kg_m3, 1e-9, 1e12))
+      return refuse("a mass or density is out of range", d.name);
+    if (!within(d.free->velocity_m_s, largest_rate) ||
+        !within(d.free->angular_velocity_rad_s, largest_rate))
+      return refuse("a velocity is out of range", d.name);
+  }
   if (d.shape.kind == RigidShapeKind::box)
     for (const double half : d.shape.half_extents_m)
       if (!in_range(half, 1e-9, largest_length)) return refuse("a half extent is out of range", d.name);
@@ -154,6 +174,7 @@ Status prepare_contact_method(SoftBody& body, const WorldSettings& settings,
                               const std::string& fixed_set) {
   const CorotationalModel& model = body.asset->model();
   const double h = settings.time_step_s;
+  if (settings.contact_method == ContactMethod::penalty) return {};
   if (settings.contact_method == ContactMethod::exact) {
     body.factor.emplace();
     body.factor->analyze(model.pattern(), model.rest_positions(), body.free_nodes);

@@ -1,42 +1,60 @@
 // SPDX-License-Identifier: MIT
 #pragma once
+#include <variant>
 #include <vector>
 
+#include "runtime/collision/local_minima.hpp"
+#include "runtime/collision/swept_pairs.hpp"
 #include "runtime/contact/contact.hpp"
 #include "runtime/world/bodies.hpp"
+#include "runtime/world/rigid_body.hpp"
 
 namespace souple {
 
-/// A rigid body during one step.
-struct RigidStep {
-  const RigidBody* body = nullptr;
-  RigidPlacement start, end;
+using WorldBody = std::variant<SoftBody, RigidBody>;
 
-  /// Motion of the body's material point that is at `point` at the start.
-  Vec3 motion_of(const Vec3& point) const;
-};
-
-struct PairSettings {
+/// Two bodies that may touch in a step, or one that may touch itself, and what is near of theirs.
+struct PairContacts {
+  std::uint32_t a = 0, b = 0;
   double alarm_distance_m = 0;
-  double friction = 0;
+  std::vector<Contact> contacts;  ///< ascending by key; frames, gaps and sides, no law yet
+
+  ProximityWork work;
+  std::vector<LocalMinimum> minima;
+  std::vector<SweptPair> swept;
 };
 
-/// Appends a contact for every movable surface node of `soft` closer than the alarm distance to the
-/// rigid body. Contacts ascend by key.
-void detect_soft_rigid(std::uint32_t soft_index, const SoftBody& soft, std::uint32_t rigid_index,
-                       const RigidStep& rigid, const PairSettings& settings,
-                       std::vector<Contact>& contacts);
+/// The pairs of a step; those of the last one leave their memory.
+class PairList {
+ public:
+  void clear() { count_ = 0; }
+  PairContacts& add() {
+    if (count_ == pairs_.size()) pairs_.emplace_back();
+    return pairs_[count_++];
+  }
+  std::size_t size() const { return count_; }
+  PairContacts& operator[](std::size_t k) { return pairs_[k]; }
 
-/// Appends a contact for every surface node of `a` and its nearest triangle of `b`, if closer than the
-/// alarm distance; both surfaces have been refitted. Nodes inside `b` are found to a depth of 5 % of
-/// its longest side.
-void detect_soft_soft(std::uint32_t a_index, const SoftBody& a, std::uint32_t b_index,
-                      const SoftBody& b, const PairSettings& settings, std::vector<Contact>& contacts);
+ private:
+  std::vector<PairContacts> pairs_;
+  std::size_t count_ = 0;
+};
 
-/// How deep the deformed surface of `soft` enters a rigid body, m, >= 0: exact for planes and spheres,
-/// sampled on a grid of 10 divisions of each triangle for boxes.
-double surface_depth(const SoftBody& soft, const RigidShape& shape, const RigidPlacement& at);
-/// The same at surface nodes only.
-double node_depth(const SoftBody& soft, const RigidShape& shape, const RigidPlacement& at);
+/// Local minimal distances below the alarm distance between the two bodies (METHOD 4), of soft bodies
+/// and meshes as they were refitted last.
+void find_near(const WorldBody& a, const WorldBody& b, PairContacts& pair);
+
+/// Pairs that the free motion would let through each other though they are farther apart than the alarm
+/// distance: appended. `end_a`, `end_b`: scratch.
+void find_swept(const WorldBody& a, const WorldBody& b, Eigen::VectorXd& end_a, Eigen::VectorXd& end_b,
+                PairContacts& pair);
+
+/// How deep the deformed surface of `soft` enters a rigid body at `at`, m, >= 0: at its nodes, and as
+/// true depth of its surface: exact for planes and spheres, sampled on a grid of 10 divisions of each
+/// triangle for boxes and capsules, at its nodes for meshes.
+struct Depths {
+  double node = 0, surface = 0;
+};
+Depths depths_in(const SoftBody& soft, const RigidBody& body, const RigidPlacement& at);
 
 }  // namespace souple

@@ -6,20 +6,28 @@
 
 namespace souple {
 
-void BodyContacts::collect(std::uint32_t index, const SoftBody& body,
-                           std::span<const Contact> contacts) {
+void BodyContacts::collect(std::uint32_t index, const SoftBody& body, std::span<const Contact> contacts,
+                           std::span<const std::uint32_t> own) {
   touches_.clear();
   nodes_.clear();
-  for (std::size_t i = 0; i < contacts.size(); ++i)
+  contacts_.clear();
+  frames_.clear();
+  for (const std::uint32_t i : own) {
+    const auto local = static_cast<Index>(contacts_.size());
+    const std::size_t before = touches_.size();
     for (const auto& [side, sign] : {std::pair(&contacts[i].a, 1.0), std::pair(&contacts[i].b, -1.0)}) {
       if (side->body != index) continue;
       for (int k = 0; k < side->count; ++k) {
         const Index node = side->node[std::size_t(k)];
         if (body.is_fixed[node] || side->weight[std::size_t(k)] == 0) continue;
-        touches_.push_back({static_cast<Index>(i), node, sign * side->weight[std::size_t(k)]});
+        touches_.push_back({local, node, sign * side->weight[std::size_t(k)]});
         nodes_.push_back(node);
       }
     }
+    if (touches_.size() == before) continue;
+    contacts_.push_back(i);
+    frames_.push_back(contacts[i].frame);
+  }
   std::ranges::sort(nodes_);
   nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
   for (Touch& touch : touches_)
@@ -52,17 +60,19 @@ double rigid_factor(const SoftBody& body) {
 }  // namespace
 
 // C <- r C - (r - 1) C_rigid: stays positive semi-definite, and keeps the momentum of a free body.
-void BodyContacts::add_warped(const SoftBody& body, double relaxation, std::span<const Mat3> frames,
-                              std::span<double> delassus) {
-  const ContactGeometry geometry{touches_, frames, rotations_};
+void BodyContacts::build_warped(const SoftBody& body, double relaxation) {
+  block_.resize(contacts_.size());
+  const ContactGeometry geometry{touches_, frames_, rotations_};
   add_to_delassus(geometry, {blocks_.values(), blocks_.stride(), blocks_.slots()},
-                  relaxation * body.compliance_scale, delassus, warped_work_);
-  if (relaxation == 1 || !is_free(body)) return;
-  points_.clear();
-  for (const Index node : nodes_)
-    points_.emplace_back(as_vec3(body.asset->model().rest_positions()[std::size_t(node)]));
-  add_rigid_to_delassus(geometry, body.asset->rigid_modes(), points_,
-                        (1 - relaxation) * rigid_factor(body), delassus, exact_work_);
+                  relaxation * body.compliance_scale, block_.values(), warped_work_);
+  if (relaxation != 1 && is_free(body)) {
+    points_.clear();
+    for (const Index node : nodes_)
+      points_.emplace_back(as_vec3(body.asset->model().rest_positions()[std::size_t(node)]));
+    add_rigid_to_delassus(geometry, body.asset->rigid_modes(), points_,
+                          (1 - relaxation) * rigid_factor(body), block_.values(), exact_work_);
+  }
+  block_.finish();
 }
 
 // The same operator on the correction of all nodes, in the rest frame.
@@ -86,61 +96,54 @@ void BodyContacts::relax_motion(SoftBody& body, double relaxation) const {
         shift + turn.cross(as_vec3(rest[std::size_t(node)]) - modes.centre());
 }
 
-void BodyContacts::evaluate_exact(SoftBody& body) {
+void BodyContacts::evaluate_exact(const SoftBody& body) {
   const std::size_t size = 3 * nodes_.size();
   compliance_.resize(size * size);
-  const Eigen::Index unknowns = body.factor->size();
-  auto column = body.work.head(unknowns), work = body.work.segment(unknowns, unknowns);
-  const auto first_unknown = [&](Index node) {
-    return 3 * (std::ranges::lower_bound(body.free_nodes, node) - body.free_nodes.begin());
-  };
-  for (std::size_t c = 0; c < size; ++c) {
-    column.setZero();
-    column[first_unknown(nodes_[c / 3]) + Eigen::Index(c % 3)] = 1;
-    body.factor->solve(column, work);
-    for (std::size_t a = 0; a < nodes_.size(); ++a)
-      for (std::size_t k = 0; k < 3; ++k)
-        compliance_[(3 * a + k) * size + c] = column[first_unknown(nodes_[a]) + Eigen::Index(k)];
-  }
+  rows_.clear();
+  for (const Index node : nodes_)
+    rows_.push_back(Index(std::ranges::lower_bound(body.free_nodes, node) - body.free_nodes.begin()));
+  body.factor->inverse_block(rows_, compliance_, inverse_work_);
 }
 
-void BodyContacts::add_exact(std::span<const Mat3> frames, std::span<double> delassus) {
+void BodyContacts::build_exact() {
+  block_.resize(contacts_.size());
   rotations_.assign(nodes_.size(), Mat3::Identity());
   identity_.resize(nodes_.size());
   std::iota(identity_.begin(), identity_.end(), Index{0});
-  add_to_delassus<double>({touches_, frames, rotations_},
-                          {compliance_.data(), 3 * nodes_.size(), identity_}, 1, delassus, exact_work_);
+  add_to_delassus<double>({touches_, frames_, rotations_},
+                          {compliance_.data(), 3 * nodes_.size(), identity_}, 1, block_.values(),
+                          exact_work_);
+  block_.finish();
 }
 
-void BodyContacts::add_forces(std::span<const Mat3> frames, std::span<const double> force,
-                              Eigen::VectorXd& load) const {
-  for (const Touch& touch : touches_) {
-    const auto i = std::size_t(touch.contact);
-    const Vec3 f(force[3 * i], force[3 * i + 1], force[3 * i + 2]);
-    node_entry(load, nodes_[std::size_t(touch.node)]) += touch.weight * (frames[i] * f);
-  }
+// In the world, on the node of the touch.
+Vec3 BodyContacts::world_force(const Touch& touch, std::span<const double> force) const {
+  const auto local = std::size_t(touch.contact);
+  return touch.weight *
+         (frames_[local] * Eigen::Map<const Vec3>(force.data() + 3 * std::size_t(contacts_[local])));
 }
 
-void BodyContacts::add_motion(std::span<const Mat3> frames, const Eigen::VectorXd& motion,
-                              std::span<double> gap) const {
+void BodyContacts::add_forces(std::span<const double> force, Eigen::VectorXd& load) const {
+  for (const Touch& touch : touches_)
+    node_entry(load, nodes_[std::size_t(touch.node)]) += world_force(touch, force);
+}
+
+void BodyContacts::add_motion(const Eigen::VectorXd& motion, std::span<double> gap) const {
   for (const Touch& touch : touches_) {
-    const auto i = std::size_t(touch.contact);
-    Eigen::Map<Vec3>(gap.data() + 3 * i) +=
-        touch.weight * (frames[i].transpose() * node_entry(motion, nodes_[std::size_t(touch.node)]));
+    const auto local = std::size_t(touch.contact);
+    Eigen::Map<Vec3>(gap.data() + 3 * std::size_t(contacts_[local])) +=
+        touch.weight *
+        (frames_[local].transpose() * node_entry(motion, nodes_[std::size_t(touch.node)]));
   }
 }
 
 // Forces on the contact nodes in the rest frame; false if none carries any.
-bool BodyContacts::collect_rest_forces(const SoftBody& body, std::span<const Mat3> frames,
-                                       std::span<const double> force) {
+bool BodyContacts::collect_rest_forces(const SoftBody& body, std::span<const double> force) {
   node_force_.assign(3 * nodes_.size(), 0.0);
-  for (const Touch& touch : touches_) {
-    const auto i = std::size_t(touch.contact);
-    const Vec3 f(force[3 * i], force[3 * i + 1], force[3 * i + 2]);
+  for (const Touch& touch : touches_)
     Eigen::Map<Vec3>(node_force_.data() + 3 * touch.node) +=
-        body.compliance_scale * touch.weight *
-        (rotations_[std::size_t(touch.node)].transpose() * (frames[i] * f));
-  }
+        body.compliance_scale *
+        (rotations_[std::size_t(touch.node)].transpose() * world_force(touch, force));
   loaded_nodes_.clear();
   loaded_rows_.clear();
   rest_force_.clear();
@@ -154,9 +157,8 @@ bool BodyContacts::collect_rest_forces(const SoftBody& body, std::span<const Mat
   return !loaded_rows_.empty();
 }
 
-void BodyContacts::correct_warped(SoftBody& body, double relaxation, std::span<const Mat3> frames,
-                                  std::span<const double> force) {
-  if (!collect_rest_forces(body, frames, force)) return;
+void BodyContacts::correct_warped(SoftBody& body, double relaxation, std::span<const double> force) {
+  if (!collect_rest_forces(body, force)) return;
   const BodyCompliance& compliance = *body.compliance;
   rest_motion_.resize(3 * std::size_t(compliance.rest->row_count()));
   compliance.rest->apply(loaded_rows_, rest_force_, rest_motion_, compliance_work_);
@@ -171,10 +173,9 @@ void BodyContacts::correct_warped(SoftBody& body, double relaxation, std::span<c
         body.node_rotations[node] * node_entry(body.rest_frame, node);
 }
 
-void BodyContacts::correct_exact(SoftBody& body, std::span<const Mat3> frames,
-                                 std::span<const double> force) const {
+void BodyContacts::correct_exact(SoftBody& body, std::span<const double> force) const {
   body.rest_frame.setZero();
-  add_forces(frames, force, body.rest_frame);
+  add_forces(force, body.rest_frame);
   const Eigen::Index unknowns = body.factor->size();
   auto column = body.work.head(unknowns);
   for (std::size_t k = 0; k < body.free_nodes.size(); ++k)

@@ -3,14 +3,18 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "formats/core/solver_kind.hpp"
 #include "formats/core/mesh.hpp"
+#include "formats/core/solver_kind.hpp"
 #include "runtime/fem/rotation_method.hpp"
 
 namespace souple {
+
+class RigidMesh;
 
 /// Rigid placement: x_world = rotation x_local + translation.
 struct Pose {
@@ -22,6 +26,9 @@ struct Pose {
 enum class ContactMethod : std::uint8_t {
   warped,  ///< C = R C0 R^T from the precomputed rest compliance (METHOD 4.2)
   exact,   ///< columns of A^-1 solved at every step with the current tangent (eq. 4.16): the reference
+  /// A baseline (METHOD 4.2.2): springs against what has already penetrated, in the free motion.
+  /// Neither law holds, and nothing is coupled.
+  penalty,
 };
 
 /// How positions and velocities go on in time (METHOD 2). Each has its own system matrix
@@ -74,6 +81,12 @@ struct WorldSettings {
   /// shrinks with every pass, for the price of a solve. Under deep crush it may not: passes end when
   /// the forces change more than in the pass before.
   int contact_passes = 1;
+  /// Penalty method only: force over penetration, N/m of each contact; 0: m / h^2 of the lighter side.
+  double penalty_stiffness_n_m = 0;
+  /// Bodies that touch each other sleep once all of them have been slower than `sleep_speed` for so
+  /// long: they cost nothing until something touches them, and keep their contact forces. 0: never.
+  double sleep_after_s = 0;
+  double sleep_speed = 1e-3;  ///< in sides of the body per second
   ContactSolverSettings contact_solver;
   FreeMotionSettings free_motion;
   /// Fill the law and energy figures of every StepReport; not part of the times it gives.
@@ -82,16 +95,25 @@ struct WorldSettings {
 
 /// What holds between two bodies; see World::set_pair.
 struct PairRule {
-  double friction = 0.4;  ///< Coulomb coefficient, in [0, 10]
-  bool collides = true;   ///< false: they pass through each other
+  double friction = 0.4;   ///< Coulomb coefficient, in [0, 10]
+  bool collides = true;    ///< false: they pass through each other
+  double restitution = 0;  ///< speed after an impact over that before it, in [0, 1]
 };
 
-enum class RigidShapeKind : std::uint8_t { plane, sphere, box };
+/// Who may touch whom: two bodies collide if each one's groups meet the other's mask.
+struct CollisionFilter {
+  std::uint32_t groups = 1;
+  std::uint32_t mask = ~std::uint32_t{0};
+};
+
+enum class RigidShapeKind : std::uint8_t { plane, sphere, box, capsule, mesh };
 
 struct RigidShape {
   RigidShapeKind kind = RigidShapeKind::plane;  ///< plane: local z = 0, solid below, normal +z
-  double radius_m = 0;                          ///< sphere
+  double radius_m = 0;                          ///< sphere, capsule
   Point half_extents_m{};                       ///< box
+  double half_length_m = 0;                     ///< capsule: of the segment on the local z axis
+  std::shared_ptr<const RigidMesh> mesh;        ///< mesh: a closed surface
 };
 
 /// Pose at a time; between keyframes translation is linear and rotation slerped, outside it is held.
@@ -100,10 +122,21 @@ struct Keyframe {
   Pose pose;
 };
 
+/// A rigid body that moves by the forces on it. Its centre of mass and principal axes are those of its
+/// shape, filled evenly; a plane has none.
+struct FreeRigidMotion {
+  double mass_kg = 0;  ///< 0: from the density
+  double density_kg_m3 = 1000;
+  Point velocity_m_s{};            ///< of the centre of mass
+  Point angular_velocity_rad_s{};  ///< in world axes
+};
+
 struct RigidBodyDescription {
   std::string name;
   RigidShape shape;
-  std::vector<Keyframe> path;  ///< one keyframe: fixed; more: driven, ascending times
+  std::vector<Keyframe> path;           ///< one keyframe: fixed; more: driven, ascending times
+  std::optional<FreeRigidMotion> free;  ///< starts at the pose of the one keyframe, which it may leave
+  CollisionFilter filter;
 };
 
 /// Nodes that are moved along a rigid path: node k is at pose(t) X_k, X_k its rest position.
@@ -119,6 +152,8 @@ struct SoftBodyDescription {
   Point angular_velocity_rad_s{};  ///< about the centre of mass
   std::string fixed_set;           ///< held at its initial position unless driven; empty: free
   std::vector<DrivenSet> driven;   ///< parts of the fixed set, or all of it
+  CollisionFilter filter;
+  bool self_contact = false;  ///< its surface may touch itself
 };
 
 }  // namespace souple

@@ -14,7 +14,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> magic{'S', 'O', 'U', 'P', 'S', 'N', 'A', 'P'};
-constexpr std::uint32_t snapshot_version = 1;
+constexpr std::uint32_t snapshot_version = 2;
 
 // FNV-1a, 64 bits: against damage, not against forgery, from which the checks of sizes protect.
 std::uint64_t checksum(std::span<const std::byte> bytes) {
@@ -108,8 +108,29 @@ bool walk(Stream& s, Eigen::VectorXd& vector) {
 }
 
 template <class Stream>
-bool walk(Stream& s, std::vector<Vec3>& list, std::uint64_t count) {
-  return s.resize(list, count) && s.doubles(list.empty() ? nullptr : list.front().data(), 3 * count);
+bool walk(Stream& s, std::vector<ContactMemory>& list) {
+  std::uint64_t count = list.size();
+  if (!s.local(&count, sizeof count) || !s.resize(list, count)) return false;
+  for (std::uint64_t k = 0; k < count; ++k) {
+    // A checker has no list of its own to walk over.
+    ContactMemory scratch;
+    ContactMemory& m = k < list.size() ? list[k] : scratch;
+    if (!s.state(&m.key, sizeof m.key)) return false;
+    for (Vec3* v : {&m.force, &m.change, &m.lasting, &m.course[0], &m.course[1], &m.course[2]})
+      if (!s.doubles(v->data(), 3)) return false;
+  }
+  return true;
+}
+
+template <class Stream>
+bool walk(Stream& s, FreeRigidState& body) {
+  return s.doubles(body.position.data(), 3) && s.doubles(body.orientation.coeffs().data(), 4) &&
+         s.doubles(body.velocity.data(), 3) && s.doubles(body.spin.data(), 3);
+}
+
+template <class Stream>
+bool walk(Stream& s, RigidPlacement& at) {
+  return s.doubles(at.rotation.data(), 9) && s.doubles(at.translation.data(), 3);
 }
 
 template <class Stream>
@@ -117,8 +138,10 @@ bool walk(Stream& s, SoftBody& body) {
   bool has_history = body.history.valid;
   StepSolver::Memory solver = body.solver->memory();
   if (!walk(s, body.x) || !walk(s, body.v) || !s.local(&has_history, sizeof has_history) ||
-      !walk(s, body.history.motion) || !walk(s, body.history.velocity) ||
-      !s.local(&solver, sizeof solver) || !body.solver->may_recall(solver))
+      !s.state(&body.stabilisation.growing_steps, sizeof(int)) ||
+      !s.doubles(&body.stabilisation.relaxation, 1) || !walk(s, body.history.motion) ||
+      !walk(s, body.history.velocity) || !s.local(&solver, sizeof solver) ||
+      !body.solver->may_recall(solver))
     return false;
   if constexpr (std::is_same_v<Stream, Reader>) {
     body.history.valid = has_history;
@@ -137,14 +160,17 @@ bool World::State::walk_state(Stream& s) {
     return false;
   for (const auto index : soft_indices)
     if (!same(s, index) || !walk(s, soft(index))) return false;
-  std::uint64_t count = last_keys.size();
-  return s.doubles(&time, 1) && s.doubles(&relaxation, 1) &&
-         s.state(&growing_steps, sizeof growing_steps) &&
-         s.state(&last_energy_j, sizeof last_energy_j) && s.local(&count, sizeof count) &&
-         s.resize(last_keys, count) && s.state(last_keys.data(), count * sizeof(ContactKey)) &&
-         walk(s, last_forces, count) && walk(s, last_changes, count) && walk(s, last_lasting, count) &&
-         s.resize(last_courses, count) &&
-         s.doubles(last_courses.empty() ? nullptr : last_courses.front().front().data(), 9 * count);
+  for (const auto index : rigid_indices)
+    if (!same(s, index) || (rigid(index).free && !walk(s, *rigid(index).free))) return false;
+  for (BodyRest& r : rest)
+    if (!s.doubles(&r.quiet_s, 1) || !s.state(&r.is_asleep, sizeof r.is_asleep) ||
+        !s.state(&r.group, sizeof r.group))
+      return false;
+  if (!same(s, std::uint64_t(pins.handles.size()))) return false;
+  for (Handle& handle : pins.handles)
+    if (!walk(s, handle.now) || !walk(s, handle.next)) return false;
+  return s.doubles(&time, 1) && s.state(&last_energy_j, sizeof last_energy_j) &&
+         walk(s, memory.entries());
 }
 
 std::vector<std::byte> World::snapshot() const {

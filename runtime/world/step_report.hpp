@@ -23,13 +23,16 @@ struct StepReport {
   std::size_t active_count = 0;   ///< of these, carrying force
   /// Pairs left out because a body's compliance is limited to a region that they are outside of.
   std::size_t uncovered_count = 0;
-  int contact_sweeps = 0;
+  std::size_t island_count = 0;      ///< problems that were solved apart from each other
+  std::size_t sleeping_count = 0;    ///< bodies that were not stepped
+  int contact_sweeps = 0;            ///< of the island that took most, summed over the passes
   double contact_residual = 0;       ///< natural map, rho_i = 1 / mean eigenvalue of W_ii, over ||f||
   int free_motion_iterations = 0;    ///< summed over bodies
   double free_motion_residual = 0;   ///< worst relative residual over bodies
   int unconverged_count = 0;         ///< solves that missed their tolerance
   double worst_penetration_m = 0;    ///< at boundary vertices
   double worst_surface_depth_m = 0;  ///< true depth of the deformed surface
+  double worst_joint_error_m = 0;    ///< between points that joints and grabs hold together
   double cone_violation = 0;         ///< max (|f_t| - mu f_n) / max |f|
   double kinetic_energy_j = 0;
   double elastic_energy_j = 0;
@@ -39,7 +42,7 @@ struct StepReport {
   /// impacts and the error of the integrator, less what driven nodes and driven bodies put in. 0 in the
   /// first step that is measured.
   double lost_energy_j = 0;
-  Point linear_momentum_kg_m_s{};    ///< of all soft bodies
+  Point linear_momentum_kg_m_s{};    ///< of all bodies that forces move
   Point angular_momentum_kg_m2_s{};  ///< about the origin
 };
 

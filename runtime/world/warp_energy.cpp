@@ -53,11 +53,12 @@ void SoftBody::remove_kinetic_energy(double energy) {
 }
 
 void World::State::measure_warping() {
+  for (std::size_t k = 0; k < force.size(); ++k) change[k] = force[k] - applied[k];
   for_each_soft([&](std::uint32_t index) {
     BodyStep& result = body_steps[index];
     result.warping_energy_j = 0;
     result.is_warping_wild = false;
-    if (exact() || body_contacts[index].empty()) return;
+    if (settings.contact_method != ContactMethod::warped || body_contacts[index].empty()) return;
     SoftBody& body = soft(index);
     // Slower bodies come to rest by warped forces alone; taking energy from them there would keep them
     // from it.
@@ -65,7 +66,7 @@ void World::State::measure_warping() {
     const double kinetic = body.kinetic_energy();
     if (!(kinetic > 0.5 * body.asset->model().total_mass() * speed * speed)) return;
     body.rest_frame.setZero();
-    body_contacts[index].add_forces(frames, change, body.rest_frame);
+    body_contacts[index].add_forces(change, body.rest_frame);
     result.warping_energy_j = body.energy_of_warping(settings.time_step_s);
     result.is_warping_wild = result.warping_energy_j > 0.5 * kinetic;
   });

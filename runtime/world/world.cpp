@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/world/world.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/collision/ray_pick.hpp"
 #include "runtime/world/checks.hpp"
 #include "runtime/world/rigid_path.hpp"
 #include "runtime/world/world_state.hpp"
@@ -31,6 +35,8 @@ Result<BodyId> World::add_soft_body(std::shared_ptr<const SoftBodyAsset> asset,
   if (auto status = check_soft_body(description); !status) return status.issue();
   State& s = *state_;
   SoftBody body(std::move(asset), description.name);
+  body.filter = description.filter;
+  body.self_contact = description.self_contact;
   if (auto status = hold_fixed_set(body, description.fixed_set); !status) return status.issue();
   if (auto status = drive_nodes(body, description); !status) return status.issue();
   if (auto status = prepare_integrator(body, s.settings); !status) return status.issue();
@@ -38,24 +44,32 @@ Result<BodyId> World::add_soft_body(std::shared_ptr<const SoftBodyAsset> asset,
     return status.issue();
   if (auto status = s.solvers.prepare(body, s.settings); !status) return status.issue();
   place_soft_body(body, description, s.time);
+  body.surface.refit(body.x);
   return s.add(std::make_unique<State::Body>(std::move(body)), s.soft_indices);
 }
 
 Result<BodyId> World::add_rigid_body(const RigidBodyDescription& description) {
   if (auto status = check_rigid_body(description); !status) return status.issue();
   State& s = *state_;
-  return s.add(
-      std::make_unique<State::Body>(RigidBody{description.name, description.shape, description.path}),
-      s.rigid_indices);
+  if (description.free && s.settings.integrator == Integrator::quasi_static)
+    return make_issue(IssueCode::static_body_not_held,
+                      "a free rigid body has no equilibrium of its own", description.name);
+  auto body = RigidBody::create(description, s.time);
+  if (!body) return body.issue();
+  return s.add(std::make_unique<State::Body>(std::move(*body)), s.rigid_indices);
 }
 
 BodyId World::State::add(std::unique_ptr<Body> body, std::vector<std::uint32_t>& indices) {
   const auto index = static_cast<std::uint32_t>(bodies.size());
   bodies.push_back(std::move(body));
   indices.push_back(index);
+  contacts_of_body.resize(bodies.size());
   body_contacts.resize(bodies.size());
+  rigid_contacts.resize(bodies.size());
   body_steps.resize(bodies.size());
-  rigid_steps.resize(bodies.size());
+  rest.resize(bodies.size());
+  broad_phase.resize(bodies.size());
+  broad_phase.set_filter(index, is_soft(index) ? soft(index).filter : rigid(index).filter);
   last_energy_j = std::numeric_limits<double>::quiet_NaN();
   return {index};
 }
@@ -69,6 +83,7 @@ Result<LoadId> World::add_load(BodyId soft_body, const LoadDescription& descript
   if (!load) return load.issue();
   const auto index = static_cast<std::uint32_t>(body.loads.size());
   body.add_load(std::move(*load));
+  s.wake_group(soft_body.index);
   return LoadId{soft_body.index, index};
 }
 
@@ -77,6 +92,7 @@ Status World::set_load(LoadId load, const LoadKeyframe& value) {
   if (load.body >= s.bodies.size() || !is_soft({load.body}) ||
       load.index >= s.soft(load.body).loads.size())
     return make_issue(IssueCode::load_invalid, "there is no such load");
+  s.wake_group(load.body);
   return s.soft(load.body).loads[load.index].set(value, s.soft(load.body).name);
 }
 
@@ -87,6 +103,8 @@ Status World::set_pair(BodyId a, BodyId b, const PairRule& rule) {
                       a.index < count ? body_name(a) : "");
   if (auto status = check_pair(rule, body_name(a) + " and " + body_name(b)); !status) return status;
   state_->pairs.set(a.index, b.index, rule);
+  wake(a);
+  wake(b);
   return {};
 }
 
@@ -105,7 +123,9 @@ Result<StepReport> World::step() {
                          t.correction_s + clock.lap();
   report.contact_count = s.contacts.size();
   report.uncovered_count = s.uncovered;
-  for (std::size_t i = 0; i < s.contacts.size(); ++i) report.active_count += s.force[3 * i] > 0;
+  for (std::size_t i = 0; i < s.contacts.size(); ++i)
+    report.active_count += !s.at(s.force, i).isZero(0);
+  for (const BodyRest& body : s.rest) report.sleeping_count += body.is_asleep;
   if (s.settings.measure_laws) s.measure(report);
   return report;
 }
@@ -137,7 +157,83 @@ std::span<const Point> World::velocities(BodyId soft_body) const {
 }
 
 Pose World::rigid_pose(BodyId rigid_body) const {
-  return pose_at(state_->rigid(rigid_body.index).path, state_->time);
+  const RigidBody& body = state_->rigid(rigid_body.index);
+  if (!body.free) return pose_at(body.path, state_->time);
+  const RigidPlacement at = body.free->shape_placement();
+  const Eigen::Quaterniond q(at.rotation);
+  return {{q.w(), q.x(), q.y(), q.z()}, as_point(at.translation)};
+}
+
+Point World::rigid_velocity(BodyId rigid_body) const {
+  const RigidBody& body = state_->rigid(rigid_body.index);
+  return body.free ? as_point(body.free->velocity) : Point{};
+}
+
+Point World::rigid_angular_velocity(BodyId rigid_body) const {
+  const RigidBody& body = state_->rigid(rigid_body.index);
+  return body.free ? as_point(body.free->spin) : Point{};
+}
+
+Status World::set_rigid_state(BodyId rigid_body, const Pose& pose, const Point& velocity_m_s,
+                              const Point& angular_velocity_rad_s) {
+  State& s = *state_;
+  if (rigid_body.index >= s.bodies.size() || !s.is_free_rigid(rigid_body.index))
+    return make_issue(IssueCode::world_parameter_invalid, "not a free rigid body of this world");
+  RigidBody& body = s.rigid(rigid_body.index);
+  if (auto status = check_pose(pose, IssueCode::world_parameter_invalid, body.name); !status)
+    return status;
+  if (!as_vec3(velocity_m_s).allFinite() || !as_vec3(angular_velocity_rad_s).allFinite())
+    return make_issue(IssueCode::world_parameter_invalid, "a velocity that is not finite", body.name);
+  const RigidPlacement at = placement(pose);
+  FreeRigidState& state = *body.free;
+  state.orientation = Eigen::Quaterniond(at.rotation * state.body_frame.rotation);
+  state.position = at.rotation * state.body_frame.translation + at.translation;
+  state.velocity = as_vec3(velocity_m_s);
+  state.spin = as_vec3(angular_velocity_rad_s);
+  s.wake_group(rigid_body.index);
+  s.last_energy_j = std::numeric_limits<double>::quiet_NaN();
+  return {};
+}
+
+void World::wake(BodyId body) {
+  if (body.index < state_->bodies.size()) state_->wake_group(body.index);
+}
+
+bool World::is_asleep(BodyId body) const { return !state_->is_awake(body.index); }
+
+std::optional<PickHit> World::pick(const Point& origin, const Point& direction, double reach_m) const {
+  const State& s = *state_;
+  Ray ray{as_vec3(origin), as_vec3(direction), reach_m};
+  const double length = ray.direction.norm();
+  if (!ray.origin.allFinite() || !std::isfinite(length) || !(length > 0) || !(reach_m > 0)) return {};
+  ray.direction /= length;
+  std::optional<PickHit> nearest;
+  for (std::uint32_t k = 0; k < s.bodies.size(); ++k) {
+    const auto hit = s.pick_body(k, ray);
+    if (!hit || (nearest && hit->distance >= nearest->distance_m)) continue;
+    nearest = PickHit{{k},
+                      hit->distance,
+                      as_point(ray.origin + hit->distance * ray.direction),
+                      as_point(hit->normal)};
+    if (!s.is_soft(k)) continue;
+    const Triangle& t = s.soft(k).asset->surface().triangles()[std::size_t(hit->triangle)];
+    const auto corner = std::ranges::max_element(hit->weight) - hit->weight.begin();
+    nearest->node = t[std::size_t(corner)];
+  }
+  return nearest;
+}
+
+std::optional<RayHit> World::State::pick_body(std::uint32_t index, const Ray& ray) const {
+  if (is_soft(index)) {
+    DeformedSurface now(soft(index).asset->surface());
+    now.refit(soft(index).x);
+    return souple::pick(now, ray);
+  }
+  const RigidBody& body = rigid(index);
+  if (!body.placed) return souple::pick(body.shape, body.placement_at(time), ray);
+  PlacedMesh now(*body.shape.mesh);
+  now.move_to(body.placement_at(time));
+  return souple::pick(now.surface(), ray);
 }
 
 Status World::set_state(BodyId soft_body, std::span<const Point> positions,
@@ -156,6 +252,7 @@ Status World::set_state(BodyId soft_body, std::span<const Point> positions,
     node_entry(body.v, Index(k)) = as_vec3(velocities[k]);
   }
   body.history.valid = false;
+  state_->wake_group(soft_body.index);
   state_->last_energy_j = std::numeric_limits<double>::quiet_NaN();
   return {};
 }
@@ -166,23 +263,23 @@ Status World::copy_state(const World& other) {
   bool same = to.soft_indices == from.soft_indices && to.rigid_indices == from.rigid_indices;
   for (std::size_t k = 0; same && k < to.soft_indices.size(); ++k)
     same = to.soft(to.soft_indices[k]).x.size() == from.soft(from.soft_indices[k]).x.size();
+  for (std::size_t k = 0; same && k < to.rigid_indices.size(); ++k)
+    same = bool(to.rigid(to.rigid_indices[k]).free) == bool(from.rigid(to.rigid_indices[k]).free);
   if (!same)
     return make_issue(IssueCode::world_parameter_invalid, "the worlds do not hold the same bodies");
   for (const auto index : to.soft_indices) {
     to.soft(index).x = from.soft(index).x;
     to.soft(index).v = from.soft(index).v;
+    to.soft(index).stabilisation = from.soft(index).stabilisation;
     if (to.soft(index).solver->may_recall(from.soft(index).solver->memory()))
       to.soft(index).solver->recall(from.soft(index).solver->memory());
     to.soft(index).take_history(from.soft(index), to.settings.time_step_s == from.settings.time_step_s);
   }
   to.last_energy_j = std::numeric_limits<double>::quiet_NaN();
-  to.last_keys = from.last_keys;
-  to.last_forces = from.last_forces;
-  to.last_changes = from.last_changes;
-  to.last_courses = from.last_courses;
-  to.last_lasting = from.last_lasting;
-  to.growing_steps = from.growing_steps;
-  to.relaxation = to.exact() ? 1 : from.relaxation;
+  for (const auto index : to.rigid_indices)
+    if (to.rigid(index).free) to.rigid(index).free = from.rigid(index).free;
+  to.memory = from.memory;
+  to.rest = from.rest;
   to.time = from.time;
   return {};
 }
@@ -192,20 +289,36 @@ std::vector<ContactRecord> World::contacts() const {
   std::vector<ContactRecord> records;
   for (std::size_t i = 0; i < s.contacts.size(); ++i) {
     const Contact& c = s.contacts[i];
-    const Vec3 f = s.frames[i] * Eigen::Map<const Vec3>(s.force.data() + 3 * i);
+    if (c.law.kind != ConstraintLaw::Kind::frictional) continue;
     records.push_back({{c.a.body},
                        {c.b.body},
                        as_point(c.point),
                        as_point(c.frame.col(0)),
-                       as_point(f),
+                       as_point(c.frame * s.at(s.force, i)),
                        s.gap[3 * i]});
   }
   return records;
 }
 
-ContactProblemView World::contact_problem() const {
-  const State& s = *state_;
-  return {s.contacts, s.delassus, s.free_gap, s.friction, s.force};
+std::span<const ContactEvent> World::contact_events() const { return state_->events.events(); }
+
+// A column of W is the gap that a unit force makes.
+StepContactProblem World::contact_problem() const {
+  State& s = *state_;
+  StepContactProblem problem{s.contacts, {}, s.free_gap, s.laws, s.force};
+  if (s.penalty()) return problem;
+  const std::size_t count = s.contacts.size(), size = 3 * count;
+  problem.delassus.assign(size * size, 0.0);
+  for (std::size_t column = 0; column < size; ++column) {
+    for (std::size_t i = 0; i < count; ++i) s.contact_operator.clear_gap(i);
+    s.contact_operator.add_to_base(column / 3, Vec3::Unit(Eigen::Index(column % 3)));
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vec3 gap = s.contact_operator.gap(i);
+      for (std::size_t r = 0; r < 3; ++r)
+        problem.delassus[(3 * i + r) * size + column] = gap[Eigen::Index(r)];
+    }
+  }
+  return problem;
 }
 
 }  // namespace souple

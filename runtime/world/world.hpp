@@ -3,12 +3,15 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "formats/core/mesh.hpp"
 #include "formats/core/result.hpp"
+#include "runtime/world/constraints.hpp"
+#include "runtime/world/contact_events.hpp"
 #include "runtime/world/jobs.hpp"
 #include "runtime/world/loads.hpp"
 #include "runtime/world/settings.hpp"
@@ -17,19 +20,24 @@
 namespace souple {
 
 class SoftBodyAsset;
-struct ContactProblemView;
-
-struct BodyId {
-  std::uint32_t index = 0;
-};
+struct StepContactProblem;
 
 /// One contact after a step, in world coordinates. The force acts on body A; -force on body B.
 struct ContactRecord {
-  BodyId body_a, body_b;
+  BodyId body_a, body_b;  ///< the same in self-contact
   Point point_m{};
   Point normal{};  ///< unit, from B to A
   Point force_n{};
   double gap_m = 0;  ///< after the step; < 0 penetrates
+};
+
+/// Where a ray meets a body first.
+struct PickHit {
+  BodyId body;
+  double distance_m = 0;
+  Point point_m{};
+  Point normal{};          ///< outward
+  std::int32_t node = -1;  ///< of a soft body: the nearest corner of the triangle that is hit
 };
 
 /// Several bodies in one contact problem, stepped together (METHOD Alg. 11).
@@ -59,6 +67,25 @@ class World {
   /// matter. Issue world_parameter_invalid, nothing changed.
   Status set_pair(BodyId a, BodyId b, const PairRule& rule);
 
+  /// Bodies held together in the contact problem, by points (METHOD 4.2). Issue joint_invalid: bodies,
+  /// a point that no body is near, an axis or arm that is no length, nodes outside the region of a
+  /// compliance, neither of them movable.
+  Result<JointId> add_joint(const JointDescription& description);
+  /// Takes hold of a body. Issue joint_invalid as above.
+  Result<GrabId> grab(const GrabDescription& description);
+  /// Where the handle is to be at the end of the next step; it starts at the identity. Issue
+  /// world_parameter_invalid: no such grab, a pose that is none.
+  Status move_grab(GrabId grab, const Pose& pose);
+  Status release(GrabId grab);
+
+  /// A ray from `origin` along `direction`, at most `reach_m` long, of any length. Nothing hit, or a
+  /// direction that is none: nothing.
+  std::optional<PickHit> pick(const Point& origin, const Point& direction, double reach_m) const;
+
+  /// Wakes the body and all that it touches.
+  void wake(BodyId body);
+  bool is_asleep(BodyId body) const;
+
   /// Bodies are stepped as jobs of the application, with the same results; empty: one after another.
   void run_jobs_with(RunJobs run_jobs);
 
@@ -79,6 +106,12 @@ class World {
   std::span<const Point> positions(BodyId soft_body) const;   ///< m, all nodes of the finest level
   std::span<const Point> velocities(BodyId soft_body) const;  ///< m/s
   Pose rigid_pose(BodyId rigid_body) const;
+  /// Of a rigid body's centre of mass; of a driven or fixed one zero.
+  Point rigid_velocity(BodyId rigid_body) const;          ///< m/s
+  Point rigid_angular_velocity(BodyId rigid_body) const;  ///< rad/s, world axes
+  /// Replaces the state of a free rigid body. Issue world_parameter_invalid.
+  Status set_rigid_state(BodyId rigid_body, const Pose& pose, const Point& velocity_m_s,
+                         const Point& angular_velocity_rad_s);
   /// Replaces the state of a soft body. Issue world_parameter_invalid (sizes, finiteness).
   Status set_state(BodyId soft_body, std::span<const Point> positions,
                    std::span<const Point> velocities);
@@ -97,8 +130,11 @@ class World {
   Status restore(std::span<const std::byte> snapshot);
 
   std::vector<ContactRecord> contacts() const;  ///< of the last step; allocates
-  /// The contact problem of the last step (W, free gap, friction, forces, frames).
-  ContactProblemView contact_problem() const;
+  /// Pairs of bodies that began, kept or ended to press on each other in the last step.
+  std::span<const ContactEvent> contact_events() const;
+  /// The contact problem of the last step (W, free gap, laws, forces, frames), made for the asking: W
+  /// of all contacts is dense here, and is never so in a step.
+  StepContactProblem contact_problem() const;
 
  private:
   struct State;

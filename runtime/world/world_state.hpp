@@ -9,11 +9,18 @@
 #include <variant>
 #include <vector>
 
-#include "runtime/contact/frictional_contact.hpp"
+#include "runtime/collision/broad_phase.hpp"
+#include "runtime/collision/ray_pick.hpp"
+#include "runtime/contact/accelerated_gauss_seidel.hpp"
 #include "runtime/world/contact_detection.hpp"
+#include "runtime/world/contact_events.hpp"
+#include "runtime/world/contact_memory.hpp"
+#include "runtime/world/contact_operator.hpp"
 #include "runtime/world/contact_space.hpp"
+#include "runtime/world/islands.hpp"
 #include "runtime/world/jobs.hpp"
 #include "runtime/world/pair_rules.hpp"
+#include "runtime/world/pins.hpp"
 #include "runtime/world/solver_share.hpp"
 #include "runtime/world/step_report.hpp"
 #include "runtime/world/world.hpp"
@@ -36,7 +43,6 @@ class PhaseClock {
 
 /// What the jobs of a step leave for what follows them.
 struct BodyStep {
-  std::vector<Contact> found;
   SolveReport solved;
   bool sound = true;             ///< forces finite, tangent positive definite
   bool struck = false;           ///< contacts changed the motion by an impulse; BDF2 only
@@ -45,8 +51,24 @@ struct BodyStep {
   double kinetic_energy_j = 0, elastic_energy_j = 0, node_depth_m = 0, surface_depth_m = 0;
 };
 
+/// Of the solver of one island.
+struct IslandWork {
+  AcceleratedWork solver;
+  std::vector<double> force;
+  std::vector<ConstraintLaw> laws;
+  ContactSolveReport report;
+};
+
+/// Whether a body rests.
+struct BodyRest {
+  double quiet_s = 0;  ///< how long it has been slower than the limit
+  bool is_asleep = false;
+  std::uint32_t group = 0;  ///< of those that fell asleep together
+};
+
 struct World::State {
-  using Body = std::variant<SoftBody, RigidBody>;
+  using Body = WorldBody;
+  using BodyMotion = souple::BodyMotion;
 
   explicit State(const WorldSettings& s) : settings(s), gravity(as_vec3(s.gravity_m_s2)) {}
 
@@ -58,90 +80,176 @@ struct World::State {
   std::vector<std::uint32_t> soft_indices, rigid_indices;
   SolverShare solvers;
   PairRules pairs;
+  Pins pins;
 
   // One step; memory kept from step to step.
-  std::vector<RigidStep> rigid_steps;  ///< by body index; soft ones unused
-  std::vector<Contact> contacts;
-  std::vector<Mat3> frames;
-  std::vector<BodyContacts> body_contacts;  ///< by body index; rigid ones unused
-  std::vector<BodyStep> body_steps;         ///< by body index; rigid ones unused
-  std::vector<double> delassus, free_gap, friction, force, gap, applied, change;
-  // The contacts of the last step, ascending by key, their forces on body A and
-  // how these changed in the step, in world coordinates.
-  std::vector<ContactKey> last_keys;
-  std::vector<Vec3> last_forces, last_changes;
-  /// Of every such contact the forces of the last steps, the latest first, and what of them is not part
-  /// of an impact: what the free motion of the next step may count on.
-  std::vector<std::array<Vec3, 3>> last_courses;
-  std::vector<Vec3> last_lasting;
-  std::vector<ContactKey> earlier_keys;  ///< scratch
-  std::vector<Vec3> earlier_forces;
-  std::vector<std::array<Vec3, 3>> earlier_courses;
+  std::vector<std::uint32_t> awake_soft;
+  std::vector<BodyRest> rest;               ///< by body index
+  std::vector<std::uint32_t> sleep_groups;  ///< scratch
+  BroadPhase broad_phase;
+  PairList touching;
+  std::array<Eigen::VectorXd, 2> swept_ends;
+  std::vector<Contact> contacts;  ///< ascending by key
+  std::vector<ConstraintLaw> laws;
+  std::vector<std::vector<std::uint32_t>> contacts_of_body;  ///< by body index
+  std::vector<BodyContacts> body_contacts;                   ///< by body index; rigid ones unused
+  std::vector<RigidContacts> rigid_contacts;                 ///< by body index; soft ones unused
+  std::vector<BodyStep> body_steps;                          ///< by body index
+  StepContactOperator contact_operator;
+  Islands islands;
+  std::vector<IslandWork> island_work;
+  /// Near at the start, but the free motion keeps them apart.
+  std::vector<Contact> put_off;
+  /// 3 per contact, in its frame. `applied`: forces in the load that the motion was solved for;
+  /// `included`: those in the motion, corrections too; `change`: what a correction adds; `shift`,
+  /// one per contact: what was taken from the normal free gap (restitution, deep overlaps).
+  std::vector<double> free_gap, force, gap, applied, included, change, shift;
+  std::vector<double> scratch_rows;
+  std::vector<std::uint32_t> order;  ///< scratch
+  ContactMemories memory, earlier;   ///< of the last step; scratch
+  ContactEvents events;
   std::size_t uncovered = 0;  ///< contacts of this step outside the region of a compliance
-  int growing_steps = 0;      ///< steps in a row in which the forces overshot more and more
-  double relaxation = 1;      ///< >= 1: multiplies the warped compliance, see choose_relaxation
   double last_energy_j = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not measured
 
+  bool is_soft(std::uint32_t index) const { return std::holds_alternative<SoftBody>(*bodies[index]); }
   SoftBody& soft(std::uint32_t index) { return std::get<SoftBody>(*bodies[index]); }
   const SoftBody& soft(std::uint32_t index) const { return std::get<SoftBody>(*bodies[index]); }
+  RigidBody& rigid(std::uint32_t index) { return std::get<RigidBody>(*bodies[index]); }
   const RigidBody& rigid(std::uint32_t index) const { return std::get<RigidBody>(*bodies[index]); }
   bool exact() const { return settings.contact_method == ContactMethod::exact; }
-  FrictionalContactProblem problem() const { return {contacts.size(), delassus, free_gap, friction}; }
-
+  bool penalty() const { return settings.contact_method == ContactMethod::penalty; }
+  bool is_awake(std::uint32_t index) const { return !rest[index].is_asleep; }
+  bool is_free_rigid(std::uint32_t index) const { return !is_soft(index) && rigid(index).free; }
+  /// Whether contact forces move it in this step.
+  bool is_movable(std::uint32_t index) const {
+    return is_awake(index) && (is_soft(index) || rigid(index).free);
+  }
   StepRule rule() const {
     return {settings.integrator, settings.rotation_method, settings.time_step_s, time, gravity};
   }
-
-  /// job(index) for every soft body, as jobs of the application. Allocates nothing.
-  template <class Job>
-  void for_each_soft(Job&& job) {
-    const auto one = [&](std::size_t k) { job(soft_indices[k]); };
-    if (!run_jobs || soft_indices.size() < 2)
-      for (std::size_t k = 0; k < soft_indices.size(); ++k) one(k);
-    else
-      run_jobs(soft_indices.size(), std::cref(one));
+  PairRule pair(std::uint32_t a, std::uint32_t b) const {
+    return pairs.of(a, b, {settings.friction, true, 0});
+  }
+  Eigen::Map<const Vec3> at(const std::vector<double>& rows, std::size_t contact) const {
+    return Eigen::Map<const Vec3>(rows.data() + 3 * contact);
   }
 
+  /// job(k) for k below `count`, as jobs of the application. Allocates nothing.
+  template <class Job>
+  void run(std::size_t count, Job&& job) {
+    if (!run_jobs || count < 2)
+      for (std::size_t k = 0; k < count; ++k) job(k);
+    else
+      run_jobs(count, std::cref(job));
+  }
+  /// job(index) for every soft body that is awake.
+  template <class Job>
+  void for_each_soft(Job&& job) {
+    const auto one = [&](std::size_t k) { job(awake_soft[k]); };
+    run(awake_soft.size(), one);
+  }
+  /// visit(index) for every free rigid body that is awake.
+  template <class Visit>
+  void for_each_free_rigid(Visit&& visit) {
+    for (const std::uint32_t index : rigid_indices)
+      if (is_movable(index)) visit(index);
+  }
+
+  // The step (world_step.cpp).
   BodyId add(std::unique_ptr<Body> body, std::vector<std::uint32_t>& indices);
   Status compute_step(StepReport& report, PhaseClock& clock);
-  void place_rigid_bodies();
-  double alarm_distance(const SoftBody& soft_body, double other_speed) const;
-  double rigid_speed(const RigidStep& step, const SoftBody& soft_body) const;
-  void detect();
-  void detect_of(std::uint32_t body, std::vector<Contact>& found) const;
-  void add_driven_motion(Contact& contact) const;
+  void begin_step();
+  void begin_soft(std::uint32_t index);
+  Status free_motion(StepReport& report);
+  void move_rigid_bodies();
+  Status report_solves(StepReport& report) const;
+  Status judge_unconverged(const SoftBody& body, const SolveReport& solved) const;
+  Status commit();
+  void give_up();  ///< after a step that could not be computed
+  void forget_contacts();
+
+  // Which contacts there are (find_contacts.cpp).
+  void find_contacts();
+  void find_touching_pairs();
+  double body_size(std::uint32_t index) const;
+  BodyMotion body_motion(std::uint32_t index, const Eigen::AlignedBox3d& region) const;
+  double relative_speed(std::uint32_t a, std::uint32_t b) const;
+  Eigen::AlignedBox3d body_bounds(std::uint32_t index) const;
+  double alarm_distance(std::uint32_t a, std::uint32_t b) const;
+  double smaller_size(const ContactKey& key) const;
+  double margin_of_touch(std::uint32_t a, std::uint32_t b) const;
+  bool may_touch(std::uint32_t a, std::uint32_t b) const;
+  Eigen::AlignedBox3d movable_region() const;
+  double reach(std::uint32_t index, const Eigen::AlignedBox3d& movable) const;
+  BodyMotion free_motion_of(std::uint32_t index, const Eigen::AlignedBox3d& region) const;
+  double free_approach(std::uint32_t a, std::uint32_t b) const;
+  void detect_pair(PairContacts& pair);
+  void describe_pair(PairContacts& pair) const;
+  void add_swept_contacts();
+  void add_pin_contacts();
+  void complete(Contact& contact) const;
   void leave_out_uncovered();
+  double normal_motion(const Contact& contact) const;
+  void discard_distant();
+  bool take_back_closed();
   void describe_contacts();
   void ask_ahead() const;
   Status check_ready() const;
-  void forget_contacts();
+
+  // Rest (sleeping.cpp).
+  void wake_group(std::uint32_t index);
+  bool wake_touched();
+  void put_to_sleep();
+  bool is_active(std::uint32_t index) const;
+  bool is_quiet(std::uint32_t index) const;
+  bool sleeps_on(std::uint32_t a, std::uint32_t b) const;
+
+  std::optional<RayHit> pick_body(std::uint32_t index, const Ray& ray) const;
+
+  // Joints and grabs (pins.cpp).
+  Status check_joint(const JointDescription& description) const;
+  Status add_pins(const JointDescription& description, std::uint32_t joint);
+  Status add_grab_pins(const GrabDescription& description, std::uint32_t grab);
+  Result<PinPoint> pin_to(std::uint32_t index, const Vec3& point, double reach);
+  std::vector<Index> nodes_near(const SoftBody& body, const GrabDescription& description) const;
+  Vec3 where(const PinPoint& point) const;
+
+  // The contact problem (contact_phase.cpp).
   void recall_forces();
-  Status free_motion(StepReport& report);
-  Status report_solves(StepReport& report) const;
-  Status judge_unconverged(const SoftBody& body, const SolveReport& solved) const;
-  PairRule pair(std::uint32_t a, std::uint32_t b) const {
-    return pairs.of(a, b, {settings.friction, true});
-  }
-  double normal_motion(std::size_t contact) const;
-  void discard_distant();
   Status build_delassus();
   void build_free_gap();
+  double restitution_of(std::size_t contact) const;
+  void shift_free_gaps();
+  double approach_speed(const Contact& contact) const;
+  Vec3 velocity_of(const ContactSide& side) const;
+  Vec3 motion_of(const ContactSide& side) const;
+  void solve_islands(StepReport& report);
+  void solve_island(std::size_t island);
+  ContactSolveReport solve_rows(IslandOperator& rows, IslandWork& work) const;
   void correct();
   Status make_motion_exact(StepReport& report);
+  Status solve_pass(StepReport& report, PhaseClock& clock);
   double change_norm() const;  ///< of the forces, in the last pass, N
   Status solve_contacts(StepReport& report, PhaseClock& clock);
-  void choose_relaxation();
-  void remember_contacts();
+  void push_rigid_bodies(const std::vector<double>& forces);
+  void apply_penalty();  ///< penalty.cpp
+  void end_penalty();
+  double mass_at(const Contact& contact) const;
+  void choose_relaxation(std::uint32_t index);
   void find_struck_bodies();
-  void measure_warping();
   bool is_impact(std::uint32_t body) const;
-  Status commit();
+  void remember_contacts();
+  void measure_warping();
+
   /// Over all that the next step depends on, in one order; see snapshot.cpp.
   template <class Stream>
   bool walk_state(Stream& stream);
-  void give_up();  ///< after a step that could not be computed
+
+  // What a step is judged by (measure_step.cpp).
   void measure_body(std::uint32_t index);
   void measure_energy(StepReport& report);
+  double contact_residual();
+  double cone_violation() const;
   void measure(StepReport& report);
 };
 

@@ -89,7 +89,7 @@ std::map<Index, Vec3> node_forces(const World& world) {
   const auto problem = world.contact_problem();
   for (std::size_t i = 0; i < problem.contacts.size(); ++i) {
     const Vec3 f = problem.contacts[i].frame * Eigen::Map<const Vec3>(problem.force.data() + 3 * i);
-    auto [entry, added] = forces.try_emplace(problem.contacts[i].key.node, Vec3::Zero());
+    auto [entry, added] = forces.try_emplace(problem.contacts[i].key.feature_a, Vec3::Zero());
     entry->second += f;
   }
   return forces;

@@ -85,12 +85,13 @@ void time_delassus(const ContactBlocks& blocks, ResultHash& hash) {
   for (std::size_t k = 0; k < contact_nodes; ++k)
     rotations.push_back(Eigen::AngleAxisd(0.01 * double(k), Vec3(0, 0.6, 0.8)).toRotationMatrix());
   std::vector<double> delassus(9 * contacts * contacts);
+  const DelassusTarget<double> w{delassus.data(), 3 * contacts};
   DelassusWork<float> work;
   const auto seconds = repeated_seconds(runs, [&] {
     std::ranges::fill(delassus, 0.0);
     add_to_delassus<float>({touches, frames, rotations},
-                           {blocks.values(), blocks.stride(), blocks.slots()}, 1, delassus, work);
-    mirror_delassus(contacts, delassus);
+                           {blocks.values(), blocks.stride(), blocks.slots()}, 1, w, work);
+    mirror_delassus(contacts, w);
   });
   hash.add(delassus);
   print_row("contact.delassus", "ms", seconds, hash, 1e3);

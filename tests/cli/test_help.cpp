@@ -34,7 +34,7 @@ TEST(Help, StatesTheExitCodesThatTheProgramUses) {
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_EQ(exit_codes_in(help.out), exit_codes_of_the_program());
   for (const char* verb : {"bake", "repair", "decimate", "tetrahedralize", "hierarchy", "precompute",
-                           "inspect", "validate", "export", "simulate", "explain"}) {
+                           "inspect", "validate", "export", "simulate", "solve-contact", "explain"}) {
     EXPECT_NE(help.out.find(std::string("\n  ") + verb + " "), std::string::npos);
     const auto verb_help = run_souple({verb, "--help"});
     EXPECT_EQ(verb_help.exit_code, 0) << verb;

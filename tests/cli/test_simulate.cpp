@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <csignal>
 
+#include "formats/fclib/read_fclib.hpp"
 #include "tests/cli/run_souple.hpp"
 #include "tests/cli/schema_check.hpp"
 
@@ -147,6 +149,53 @@ TEST_F(Simulate, CombinedFramesHoldAllBodies) {
             0);
   EXPECT_GT(fs::file_size(path("out/frames/scene_000002.vtu")),
             fs::file_size(path("out/frames/liver_000002.vtu")));
+}
+
+TEST_F(Simulate, ShowsAndReportsFreeRigidBodiesWhereTheyAre) {
+  write("c.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+  const std::string stone =
+      "[[body]]\nkind = \"rigid\"\nname = \"stone\"\nshape = \"mesh\"\nfile = \"c.off\"\n"
+      "size_m = 0.05\nfree = true\nposition = [1, 0, 1]\n";
+  const auto json =
+      simulate(stone + "[world]\ntime_step_s = 0.01\n", {"--steps", "10", "--json"}).json();
+  ASSERT_TRUE(json.is_object());
+  EXPECT_EQ(schema_violation(json, load_schema("simulate")), "");
+  const auto& body = json["bodies"][0];
+  EXPECT_EQ(body["free"], true);
+  // Implicit Euler falls by g h^2 n (n + 1) / 2.
+  EXPECT_NEAR(body["position_m"][2].get<double>(), 1 - 9.81 * 1e-4 * 55, 1e-9);
+  EXPECT_NEAR(body["velocity_m_s"][2].get<double>(), -0.981, 1e-9);
+  EXPECT_TRUE(fs::exists(path("out/frames/stone_000010.vtu")));
+  expect_issue(simulate("[world]\ntime_step_s = 0.01\n[[body]]\nkind = \"rigid\"\nshape = \"mesh\"\n"
+                        "file = \"none.off\"\n",
+                        {"--steps", "1"}),
+               2, "S2001");
+}
+
+TEST_F(Simulate, DumpsAContactProblemThatSolveContactSolvesToTheSameMotion) {
+  const std::string file = path("contacts.hdf5").string();
+  const auto run = simulate(drop_scene(), {"--steps", "40", "--json", "--dump-contact", "40=" + file});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto solved = run_souple({"solve-contact", file, "--json", "-o", path("solved.hdf5").string()});
+  ASSERT_EQ(solved.exit_code, 0) << solved.err;
+  EXPECT_EQ(solved.json()["contacts"], run.json()["last_step"]["contact_count"]);
+  const auto ours = read_fclib(file);
+  const auto theirs = read_fclib(path("solved.hdf5"));
+  ASSERT_TRUE(ours.ok() && theirs.ok());
+  double difference = 0, size = 0;
+  for (std::size_t k = 0; k < ours->problem.q.size(); ++k) {
+    difference = std::max(difference, std::abs(ours->solution->u[k] - theirs->solution->u[k]));
+    size = std::max(size, std::abs(ours->problem.q[k]));
+  }
+  EXPECT_LT(difference, 1e-6 * size);
+}
+
+TEST_F(Simulate, RefusesDumpsOfStepsWithoutAContactProblem) {
+  const std::string file = path("c.hdf5").string();
+  expect_issue(simulate(drop_scene(), {"--steps", "2", "--dump-contact", file}), 1, "S1002");
+  expect_issue(simulate(drop_scene(), {"--steps", "2", "--dump-contact", "3=" + file}), 1, "S1002");
+  expect_issue(simulate(drop_scene(), {"--steps", "2", "--dump-contact", "1=" + file}), 3, "S3307");
+  EXPECT_FALSE(fs::exists(file));
 }
 
 TEST_F(Simulate, RefusesATimeStepOrFixedSetWithoutACompliance) {

@@ -17,7 +17,7 @@
 namespace souple {
 
 std::span<const Verb> verbs() {
-  static constexpr std::array<Verb, 11> table{{
+  static constexpr std::array<Verb, 12> table{{
       {"bake", "a surface becomes an asset: mesh, hierarchy, compliances", run_bake},
       {"repair", "what is wrong with a surface, and a solid made of it", run_repair},
       {"decimate", "a surface of fewer triangles", run_decimate},
@@ -28,6 +28,7 @@ std::span<const Verb> verbs() {
       {"validate", "checks everything in an asset", run_validate},
       {"export", "tets or surfaces of an asset for other programs", run_export},
       {"simulate", "runs a scene; writes frames and a report", run_simulate},
+      {"solve-contact", "solves a friction-contact problem in FCLIB's layout", run_solve_contact},
       {"explain", "what a code means and how to mend it", run_explain},
   }};
   return table;

@@ -34,6 +34,7 @@ Result<ExitCode> run_inspect(const Arguments& arguments);
 Result<ExitCode> run_validate(const Arguments& arguments);
 Result<ExitCode> run_export(const Arguments& arguments);
 Result<ExitCode> run_simulate(const Arguments& arguments);
+Result<ExitCode> run_solve_contact(const Arguments& arguments);
 Result<ExitCode> run_explain(const Arguments& arguments);
 
 }  // namespace souple

@@ -5,9 +5,11 @@
 #include "tools/cli/command_line.hpp"
 #include "tools/cli/json_output.hpp"
 #include "tools/cli/signals.hpp"
+#include "tools/commands/contact_dump.hpp"
 #include "tools/commands/simulation_json.hpp"
 #include "tools/exchange/atomic_file.hpp"
 #include "tools/exchange/numbers.hpp"
+#include "tools/recipe/rigid_surface.hpp"
 #include "tools/scene/job_pool.hpp"
 #include "tools/scene/simulation.hpp"
 
@@ -21,6 +23,7 @@ struct SimulateOptions {
   std::string steps;
   std::string folder;
   std::string threads = "1";
+  std::vector<std::string> dumps;
 
   void add_to(CLI::App& app) {
     app.add_option("SCENE", scene_file, "the scene, TOML")->required();
@@ -28,6 +31,10 @@ struct SimulateOptions {
     app.add_option("-o,--output", folder, "folder for frames, scene.pvd and report.json")->required();
     app.add_option("--threads", threads,
                    "threads that step the bodies (1); the result does not depend on them");
+    app.add_option(
+        "--dump-contact", dumps,
+        "STEP=FILE.hdf5: write the contact problem of that step in FCLIB's local layout; may "
+        "be given for several steps");
   }
 };
 
@@ -52,6 +59,28 @@ std::string summary_text(const SimulationReport& r) {
   text += "last step: kinetic energy " + rounded_text(r.last.kinetic_energy_j, 3) +
           " J, elastic energy " + rounded_text(r.last.elastic_energy_j, 3) + " J\n";
   return text + "state " + r.state_hash + "\n";
+}
+
+Result<TriangleMesh> load_rigid_mesh(const RigidMeshFile& mesh) {
+  return read_rigid_surface(mesh.file, mesh.scale, mesh.size_m);
+}
+
+Result<std::vector<ContactDump>> parse_dumps(const std::vector<std::string>& texts,
+                                             std::int64_t step_count) {
+  std::vector<ContactDump> dumps;
+  for (const std::string& text : texts) {
+    auto dump = parse_contact_dump(text, step_count);
+    if (!dump) return dump.issue();
+    dumps.push_back(std::move(*dump));
+  }
+  return dumps;
+}
+
+Status write_dumps(const World& world, const std::vector<ContactDump>& dumps, std::int64_t step) {
+  for (const ContactDump& dump : dumps)
+    if (dump.step == step)
+      if (auto status = write_contact_dump(world, dump); !status) return status;
+  return {};
 }
 
 /// Runs with SIGINT answered between steps, so that the report of an interrupted run is whole.
@@ -86,11 +115,13 @@ Result<ExitCode> run_simulate(const Arguments& arguments) {
   if (!steps) return steps.issue();
   const auto threads = integer_option("--threads", given.threads, 1, most_threads);
   if (!threads) return threads.issue();
+  const auto dumps = parse_dumps(given.dumps, *steps);
+  if (!dumps) return dumps.issue();
   Console console(line.common().verbosity());
 
   const auto scene = read_scene(given.scene_file);
   if (!scene) return scene.issue();
-  auto built = build_world(*scene);
+  auto built = build_world(*scene, load_rigid_mesh);
   if (!built) return built.issue();
   if (auto status = make_output_folder(given.folder); !status) return status.issue();
   console.detail("loaded " + std::to_string(built->assets.size()) + " assets, " +
@@ -99,8 +130,9 @@ Result<ExitCode> run_simulate(const Arguments& arguments) {
   JobPool pool(static_cast<unsigned>(*threads));
   built->world.run_jobs_with(pool.runner());
   const InterruptFlag interrupt;
-  const SimulationReport report =
-      run(*scene, *built, {*steps, given.folder, {}, {}}, console, interrupt);
+  SimulationOptions options{*steps, given.folder, {}, {}};
+  options.after_step = [&](std::int64_t step) { return write_dumps(built->world, *dumps, step); };
+  const SimulationReport report = run(*scene, *built, options, console, interrupt);
   const Json document = simulation_json(*scene, *built, report, given.scene_file);
   const Status written =
       write_file_atomically(std::filesystem::path(given.folder) / "report.json", json_text(document));

@@ -16,6 +16,9 @@ Json settings_json(const WorldSettings& s) {
           {"contact_tolerance", s.contact_solver.tolerance},
           {"contact_max_sweeps", s.contact_solver.max_sweeps},
           {"contact_passes", s.contact_passes},
+          {"penalty_stiffness_n_m", s.penalty_stiffness_n_m},
+          {"sleep_after_s", s.sleep_after_s},
+          {"sleep_speed", s.sleep_speed},
           {"solver", solver_name(s.free_motion.solver)},
           {"solver_tolerance", s.free_motion.tolerance},
           {"solver_unconverged",
@@ -42,6 +45,13 @@ Json bodies_json(const Scene& scene, const SceneWorld& built) {
     if (soft) {
       body["node_count"] = built.world.positions(built.bodies[i]).size();
       body["solver"] = solver_name(built.world.solver(built.bodies[i]));
+    } else {
+      const Pose pose = built.world.rigid_pose(built.bodies[i]);
+      body["free"] = std::get<SceneRigidBody>(scene.bodies[i]).description.free.has_value();
+      body["position_m"] = pose.translation;
+      body["quaternion"] = pose.rotation;
+      body["velocity_m_s"] = built.world.rigid_velocity(built.bodies[i]);
+      body["angular_velocity_rad_s"] = built.world.rigid_angular_velocity(built.bodies[i]);
     }
     list.push_back(std::move(body));
   }
@@ -62,15 +72,23 @@ Json laws_json(const SimulationReport& r) {
   return {{"worst_penetration_m", worst_json(r.penetration_m)},
           {"worst_surface_depth_m", worst_json(r.surface_depth_m)},
           {"cone_violation", worst_json(r.cone_violation)},
+          {"joint_error_m", worst_json(r.joint_error_m)},
           {"contact_residual", worst_json(r.contact_residual)},
           {"contact_sweeps", worst_json(r.contact_sweeps)},
           {"free_motion_residual", worst_json(r.free_motion_residual)},
           {"unconverged_count", worst_json(r.unconverged_count)}};
 }
 
-Json step_json(const StepReport& r) {
+Json events_json(const EventCounts& events) {
+  return {{"begin", events.begin}, {"persist", events.persist}, {"end", events.end}};
+}
+
+Json step_json(const StepReport& r, const EventCounts& events) {
   return {{"contact_count", r.contact_count},
           {"active_count", r.active_count},
+          {"contact_events", events_json(events)},
+          {"island_count", r.island_count},
+          {"sleeping_count", r.sleeping_count},
           {"contact_sweeps", r.contact_sweeps},
           {"contact_residual", r.contact_residual},
           {"free_motion_iterations", r.free_motion_iterations},
@@ -78,6 +96,7 @@ Json step_json(const StepReport& r) {
           {"unconverged_count", r.unconverged_count},
           {"penetration_m", r.worst_penetration_m},
           {"surface_depth_m", r.worst_surface_depth_m},
+          {"joint_error_m", r.worst_joint_error_m},
           {"cone_violation", r.cone_violation},
           {"kinetic_energy_j", r.kinetic_energy_j},
           {"elastic_energy_j", r.elastic_energy_j},
@@ -92,7 +111,7 @@ Json samples_json(const SimulationReport& r) {
   Json samples = Json::array();
   for (const SimulationSample& sample : r.samples) {
     Json row = {{"step", sample.step}, {"time_s", sample.time_s}};
-    row.update(step_json(sample.report));
+    row.update(step_json(sample.report, sample.events));
     samples.push_back(std::move(row));
   }
   return samples;
@@ -116,10 +135,11 @@ Json simulation_json(const Scene& scene, const SceneWorld& built, const Simulati
   document["times"] = times_json(r);
   document["contacts"] = {{"largest_count", r.largest_contact_count},
                           {"mean_count", r.mean_contact_count},
+                          {"events", events_json(r.events)},
                           {"force_on_soft_bodies_n", r.contact_force_n},
                           {"soft_mass_kg", r.soft_mass_kg}};
   document["laws"] = laws_json(r);
-  document["last_step"] = step_json(r.last);
+  document["last_step"] = step_json(r.last, r.last_events);
   document["sample_stride"] = r.sample_stride;
   document["samples"] = samples_json(r);
   document["state_hash"] = r.state_hash;

@@ -18,6 +18,13 @@ constexpr double largest_magnitude = 1 << 30;
 // other steps can be so much larger that the bytes fall by 1 %, the ranks by 12 % to 20 %.
 constexpr double smallest_size = 0.5;
 
+// The double below a half: a half itself would carry what is just below one up to the next integer.
+constexpr double below_half = 0x1.fffffffffffffp-2;
+
+// std::round, halves away from zero, for magnitudes below `largest_magnitude`; unlike the library's, it
+// becomes vector instructions.
+int rounded(double value) { return static_cast<int>(value + std::copysign(below_half, value)); }
+
 bool is_too_large(const Eigen::Ref<const Eigen::MatrixXf>& m, double factor) {
   return m.size() > 0 && !(double(m.cwiseAbs().maxCoeff()) * std::abs(factor) < largest_magnitude);
 }
@@ -114,14 +121,18 @@ Eigen::MatrixXi side_integers(const LowRankBlock& block, const QuantisedBlock& q
   for (Eigen::Index k = 0; k < integers.cols(); ++k) {
     const Eigen::Index term = quantised.kept[std::size_t(k)];
     const double factor = in_steps(block, term, quantised.step);
-    integers.col(k) =
-        (factor * side.col(term).segment(first, count).cast<double>()).array().round().cast<int>();
+    const float* from = side.col(term).data() + first;
+    int* to = integers.col(k).data();
+    for (Eigen::Index row = 0; row < count; ++row) to[row] = rounded(factor * double(from[row]));
   }
   return integers;
 }
 
 Eigen::MatrixXi leaf_integers(const Eigen::MatrixXf& leaf, float step) {
-  return (leaf.cast<double>() / double(step)).array().round().cast<int>();
+  Eigen::MatrixXi integers(leaf.rows(), leaf.cols());
+  for (Eigen::Index k = 0; k < leaf.size(); ++k)
+    integers.data()[k] = rounded(double(leaf.data()[k]) / double(step));
+  return integers;
 }
 
 Eigen::VectorXf kept_singular(const LowRankBlock& block, const QuantisedBlock& quantised) {

@@ -38,6 +38,14 @@ TriangleMesh sphere(double radius) {
   return mesh;
 }
 
+// A sphere drawn apart at its equator.
+TriangleMesh capsule(double radius, double half_length) {
+  TriangleMesh mesh = sphere(radius);
+  for (Point& vertex : mesh.vertices)
+    vertex[2] += vertex[2] > -1e-9 * radius ? half_length : -half_length;
+  return mesh;
+}
+
 TriangleMesh box(const Point& half) {
   TriangleMesh mesh;
   for (int i = 0; i < 8; ++i)
@@ -86,6 +94,11 @@ TriangleMesh triangulate_shape(const RigidShape& shape, const Pose& pose, double
       break;
     case RigidShapeKind::box:
       mesh = box(shape.half_extents_m);
+      break;
+    case RigidShapeKind::capsule:
+      mesh = capsule(shape.radius_m, shape.half_length_m);
+      break;
+    case RigidShapeKind::mesh:
       break;
   }
   for (Point& vertex : mesh.vertices) vertex = place(pose, vertex);

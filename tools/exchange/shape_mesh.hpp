@@ -6,7 +6,7 @@
 namespace souple {
 
 /// A rigid shape as triangles, wound outward, so that a viewer can show it. A plane becomes a square
-/// of side `plane_size_m` around its origin.
+/// of side `plane_size_m` around its origin; a mesh, which has triangles already, gives none.
 TriangleMesh triangulate_shape(const RigidShape& shape, const Pose& pose, double plane_size_m);
 
 /// x_world = rotation x_local + translation.

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <system_error>
 
+#include "runtime/collision/mass_properties.hpp"
+#include "runtime/collision/rigid_mesh.hpp"
 #include "runtime/world/soft_body_asset.hpp"
 #include "tools/exchange/atomic_file.hpp"
 #include "tools/exchange/shape_mesh.hpp"
@@ -78,24 +80,54 @@ VtuMesh soft_mesh(const World& world, BodyId body, const std::vector<Point>& fir
   return mesh;
 }
 
-VtuMesh rigid_mesh(const RigidShape& shape, const World& world, BodyId body, double plane_size_m) {
-  TriangleMesh shown = triangulate_shape(shape, world.rigid_pose(body), plane_size_m);
+/// Of the points of a free rigid body, m/s; of another one zero.
+std::vector<Point> point_velocities(const RigidShape& shape, const World& world, BodyId body,
+                                    const std::vector<Point>& points) {
+  std::vector<Point> velocities(points.size());
+  const Vec3 velocity = as_vec3(world.rigid_velocity(body));
+  const Vec3 spin = as_vec3(world.rigid_angular_velocity(body));
+  if (velocity.isZero(0) && spin.isZero(0)) return velocities;
+  const Point centre = place(world.rigid_pose(body), as_point(mass_properties(shape).centre));
+  for (std::size_t k = 0; k < points.size(); ++k)
+    velocities[k] = as_point(velocity + spin.cross(as_vec3(points[k]) - as_vec3(centre)));
+  return velocities;
+}
+
+VtuMesh rigid_mesh(const RigidShape& shape, const World& world, BodyId body, const Pose& first,
+                   double plane_size_m) {
+  TriangleMesh shown = placed_surface(shape, world.rigid_pose(body), plane_size_m);
+  std::vector<Point> displacement = placed_surface(shape, first, plane_size_m).vertices;
+  for (std::size_t k = 0; k < displacement.size(); ++k)
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      displacement[k][axis] = shown.vertices[k][axis] - displacement[k][axis];
   VtuMesh mesh;
   mesh.points = std::move(shown.vertices);
   mesh.triangles = std::move(shown.triangles);
-  const std::vector<Point> zeros(mesh.points.size());
-  mesh.fields = {vector_field("displacement", zeros), vector_field("velocity", zeros),
+  mesh.fields = {vector_field("displacement", displacement),
+                 vector_field("velocity", point_velocities(shape, world, body, mesh.points)),
                  constant_field("body", mesh.points.size(), body.index)};
   return mesh;
 }
 
 }  // namespace
 
+TriangleMesh placed_surface(const RigidShape& shape, const Pose& pose, double plane_size_m) {
+  if (shape.mesh == nullptr) return triangulate_shape(shape, pose, plane_size_m);
+  TriangleMesh mesh;
+  for (const Point& vertex : shape.mesh->vertices()) mesh.vertices.push_back(place(pose, vertex));
+  mesh.triangles.assign(shape.mesh->triangles().begin(), shape.mesh->triangles().end());
+  return mesh;
+}
+
 FrameWriter::FrameWriter(const Scene& scene, const SceneWorld& built, fs::path folder)
     : scene_(scene), built_(built), folder_(std::move(folder)) {
   for (const BodyId body : built_.bodies) {
     first_positions_.emplace_back();
-    if (!built_.world.is_soft(body)) continue;
+    first_poses_.emplace_back();
+    if (!built_.world.is_soft(body)) {
+      first_poses_.back() = built_.world.rigid_pose(body);
+      continue;
+    }
     const auto positions = built_.world.positions(body);
     first_positions_.back().assign(positions.begin(), positions.end());
   }
@@ -117,8 +149,9 @@ Status FrameWriter::prepare() {
 }
 
 VtuMesh FrameWriter::body_mesh(std::size_t body, FrameContent content) const {
-  if (const auto* rigid = std::get_if<RigidBodyDescription>(&scene_.bodies[body]))
-    return rigid_mesh(rigid->shape, built_.world, built_.bodies[body], scene_.output.plane_size_m);
+  if (!built_.world.is_soft(built_.bodies[body]))
+    return rigid_mesh(built_.shapes[body], built_.world, built_.bodies[body], first_poses_[body],
+                      scene_.output.plane_size_m);
   return soft_mesh(built_.world, built_.bodies[body], first_positions_[body], content);
 }
 

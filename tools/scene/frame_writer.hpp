@@ -10,6 +10,9 @@
 
 namespace souple {
 
+/// As triangulate_shape, of meshes too.
+TriangleMesh placed_surface(const RigidShape& shape, const Pose& pose, double plane_size_m);
+
 /// Writes frames of a scene: `frames/<body>_000012.vtu` per body, `frames/scene_000012.vtu` with the
 /// surfaces of all bodies if asked for, and `scene.pvd` that lists them with their times.
 /// Fields at the points: displacement (m, since the first frame), velocity (m/s), body (its number).
@@ -32,6 +35,7 @@ class FrameWriter {
   const SceneWorld& built_;
   std::filesystem::path folder_;
   std::vector<std::vector<Point>> first_positions_;  ///< of soft bodies
+  std::vector<Pose> first_poses_;                    ///< of rigid bodies
   std::vector<PvdEntry> entries_;
   std::size_t frame_count_ = 0;
 };

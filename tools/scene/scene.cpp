@@ -15,21 +15,15 @@ namespace {
 constexpr std::size_t body_limit = 10000;
 
 // Wide enough for any scene, narrow enough that no product of two of them overflows.
-constexpr NumberRange speed_range{-1e6, 1e6};
 constexpr NumberRange length_range{0, 1e6, true};
 constexpr NumberRange tolerance_range{1e-15, 0.5};
 constexpr std::int64_t iteration_limit = 1'000'000;
 
-const std::array<std::string, 2> contact_methods{"warped", "exact"};
+const std::array<std::string, 3> contact_methods{"warped", "exact", "penalty"};
 const std::array<std::string, 2> unconverged_steps{"keep_best", "refuse"};
 const std::array<std::string, 4> integrators{"implicit_euler", "bdf2", "quasi_static",
                                              "explicit_euler"};
 const std::array<std::string, 3> rotation_methods{"polar", "qr", "gram_schmidt"};
-const std::array<std::string, 2> body_kinds{"soft", "rigid"};
-constexpr std::array<std::string_view, 14> body_keys{
-    "kind",  "name",  "asset",    "position", "rotation",  "velocity", "angular_velocity",
-    "fixed", "shape", "radius_m", "size_m",   "keyframes", "driven",   "load"};
-const std::array<std::string, 3> shape_kinds{"plane", "sphere", "box"};
 const std::array<std::string, 2> frame_contents{"tets", "surface"};
 
 const std::vector<std::string>& solver_choices() {
@@ -56,7 +50,8 @@ WorldSettings parse_world(TomlTable world) {
   s.friction = world.number("friction", {0, 10}).value_or(s.friction);
   s.alarm_distance_m = world.number("alarm_distance_m", {0, 1e6}).value_or(s.alarm_distance_m);
   if (const auto method = world.choice("contact_method", contact_methods)) {
-    if (*method == "exact") s.contact_method = ContactMethod::exact;
+    s.contact_method = static_cast<ContactMethod>(std::ranges::find(contact_methods, *method) -
+                                                  contact_methods.begin());
     if (*method == "warped" && s.integrator == Integrator::explicit_euler)
       world.refuse(IssueCode::usage_conflict,
                    "the explicit integrator has no compliance that could be warped", "contact_method",
@@ -69,6 +64,11 @@ WorldSettings parse_world(TomlTable world) {
       world.integer("contact_max_sweeps", 1, iteration_limit).value_or(contact.max_sweeps));
   s.contact_passes =
       static_cast<int>(world.integer("contact_passes", 1, 20).value_or(s.contact_passes));
+  if (s.contact_method == ContactMethod::penalty)
+    s.penalty_stiffness_n_m =
+        world.number("penalty_stiffness_n_m", {0, 1e12}).value_or(s.penalty_stiffness_n_m);
+  s.sleep_after_s = world.number("sleep_after_s", {0, 1e6}).value_or(s.sleep_after_s);
+  s.sleep_speed = world.number("sleep_speed", {0, 1e6, true}).value_or(s.sleep_speed);
   auto& free = s.free_motion;
   if (const auto solver = world.choice("solver", solver_choices()))
     free.solver = solver_of_name(*solver).value_or(free.solver);
@@ -78,57 +78,6 @@ WorldSettings parse_world(TomlTable world) {
   free.max_iterations = static_cast<int>(
       world.integer("solver_max_iterations", 1, iteration_limit).value_or(free.max_iterations));
   return s;
-}
-
-SceneSoftBody parse_soft_body(TomlTable& entry) {
-  SceneSoftBody body;
-  entry.require("asset", "the .souple file, relative to the scene");
-  body.asset = entry.text("asset").value_or("");
-  body.description.pose = parse_pose(entry);
-  body.description.velocity_m_s = entry.point("velocity", speed_range).value_or(Point{});
-  body.description.angular_velocity_rad_s =
-      entry.point("angular_velocity", speed_range).value_or(Point{});
-  body.description.fixed_set = entry.plain_name("fixed").value_or("");
-  body.description.driven = parse_driven(entry);
-  body.loads = parse_loads(entry);
-  return body;
-}
-
-RigidShape parse_shape(TomlTable& entry) {
-  RigidShape shape;
-  entry.require("shape", "plane, sphere or box");
-  const std::string kind = entry.choice("shape", shape_kinds).value_or("plane");
-  if (kind == "sphere") {
-    shape.kind = RigidShapeKind::sphere;
-    entry.require("radius_m", "of the sphere");
-    shape.radius_m = entry.number("radius_m", length_range).value_or(1);
-  } else if (kind == "box") {
-    shape.kind = RigidShapeKind::box;
-    entry.require("size_m", "the sides [x, y, z] of the box");
-    shape.half_extents_m = entry.point("size_m", length_range).value_or(Point{1, 1, 1});
-    for (double& side : shape.half_extents_m) side /= 2;
-  }
-  return shape;
-}
-
-SceneBody parse_body(TomlTable& entry, std::size_t number) {
-  entry.require("kind", "soft or rigid");
-  const std::string name = entry.plain_name("name").value_or("body" + std::to_string(number));
-  if (entry.choice("kind", body_kinds).value_or("rigid") == "soft") {
-    SceneSoftBody body = parse_soft_body(entry);
-    body.description.name = name;
-    return body;
-  }
-  RigidBodyDescription body;
-  body.name = name;
-  if (!entry.has("kind")) {
-    // Without a kind no other key can be judged: let them all pass, the missing kind is reported.
-    for (const std::string_view key : body_keys) entry.has(key);
-    return body;
-  }
-  body.shape = parse_shape(entry);
-  body.path = parse_path(entry);
-  return body;
 }
 
 SceneOutput parse_output(TomlTable output) {
@@ -151,23 +100,6 @@ void check_names(TomlTable& root, const Scene& scene) {
                   "Give every body a name of its own, other than \"scene\".");
 }
 
-ScenePair parse_pair(TomlTable& entry, const Scene& scene) {
-  ScenePair pair;
-  pair.rule.friction = scene.world.friction;
-  for (const auto& [key, name] : {std::pair("a", &pair.a), std::pair("b", &pair.b)}) {
-    entry.require(key, "the name of a body");
-    *name = entry.plain_name(key).value_or("");
-    const auto is_it = [&](const SceneBody& body) { return scene_body_name(body) == *name; };
-    if (!name->empty() && std::ranges::none_of(scene.bodies, is_it))
-      entry.refuse(IssueCode::config_bad_value, "no body is called \"" + *name + "\"", key);
-  }
-  if (!pair.a.empty() && pair.a == pair.b)
-    entry.refuse(IssueCode::config_bad_value, "a pair is of two bodies", "b");
-  pair.rule.friction = entry.number("friction", {0, 10}).value_or(pair.rule.friction);
-  pair.rule.collides = entry.flag("collides").value_or(true);
-  return pair;
-}
-
 Result<Scene> parse_scene_table(TomlTable& root) {
   Scene scene;
   scene.world = parse_world(root.table("world"));
@@ -180,7 +112,7 @@ Result<Scene> parse_scene_table(TomlTable& root) {
                 "body");
   else
     for (TomlTable& entry : bodies) scene.bodies.push_back(parse_body(entry, scene.bodies.size() + 1));
-  for (TomlTable& entry : root.tables("pair")) scene.pairs.push_back(parse_pair(entry, scene));
+  parse_constraints(root, scene);
   if (root.status()) check_names(root, scene);
   if (auto status = root.finish(); !status) return status.issue();
   return scene;
@@ -199,15 +131,19 @@ Result<Scene> read_scene(const std::filesystem::path& file) {
   if (!root) return root.issue();
   auto scene = parse_scene_table(*root);
   if (!scene) return scene;
-  for (SceneBody& body : scene->bodies)
-    if (auto* soft = std::get_if<SceneSoftBody>(&body); soft != nullptr && soft->asset.is_relative())
-      soft->asset = file.parent_path() / soft->asset;
+  for (SceneBody& body : scene->bodies) {
+    auto* soft = std::get_if<SceneSoftBody>(&body);
+    auto* rigid = std::get_if<SceneRigidBody>(&body);
+    if (soft != nullptr && soft->asset.is_relative()) soft->asset = file.parent_path() / soft->asset;
+    if (rigid != nullptr && rigid->mesh && rigid->mesh->file.is_relative())
+      rigid->mesh->file = file.parent_path() / rigid->mesh->file;
+  }
   return scene;
 }
 
 const std::string& scene_body_name(const SceneBody& body) {
   if (const auto* soft = std::get_if<SceneSoftBody>(&body)) return soft->description.name;
-  return std::get<RigidBodyDescription>(body).name;
+  return std::get<SceneRigidBody>(body).description.name;
 }
 
 std::string_view contact_method_name(ContactMethod method) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A scene as text and data: the world's settings, its bodies and what to write. SI units.
 #pragma once
+#include <compare>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +12,7 @@
 #include <vector>
 
 #include "formats/core/result.hpp"
+#include "runtime/world/constraints.hpp"
 #include "runtime/world/loads.hpp"
 #include "runtime/world/settings.hpp"
 
@@ -36,7 +39,20 @@ struct SceneSoftBody {
   std::vector<SceneLoad> loads;
 };
 
-using SceneBody = std::variant<SceneSoftBody, RigidBodyDescription>;
+/// A file with the surface of a rigid body.
+struct RigidMeshFile {
+  std::filesystem::path file;
+  double scale = 1;   ///< metres per unit of the file
+  double size_m = 0;  ///< > 0: longest side after scaling, instead
+  friend auto operator<=>(const RigidMeshFile&, const RigidMeshFile&) = default;
+};
+
+struct SceneRigidBody {
+  RigidBodyDescription description;   ///< of a mesh without the surface, which build_world loads
+  std::optional<RigidMeshFile> mesh;  ///< of a shape of kind mesh
+};
+
+using SceneBody = std::variant<SceneSoftBody, SceneRigidBody>;
 
 enum class FrameContent : std::uint8_t { tets, surface };
 
@@ -53,17 +69,33 @@ struct ScenePair {
   PairRule rule;
 };
 
+struct SceneJoint {
+  JointDescription description;  ///< without the bodies
+  std::string a, b;              ///< names of bodies; b empty: the world
+};
+
+/// Takes hold of a body at the start.
+struct SceneGrab {
+  std::string body;
+  GrabDescription description;  ///< without the body
+  /// Of the point that was grabbed, and the turn about it since; none: it stays.
+  std::vector<Keyframe> path;
+  double release_s = std::numeric_limits<double>::infinity();
+};
+
 struct Scene {
   WorldSettings world;
   std::vector<SceneBody> bodies;  ///< with names that are unique and fit for file names
   std::vector<ScenePair> pairs;
+  std::vector<SceneJoint> joints;
+  std::vector<SceneGrab> grabs;
   SceneOutput output;
 };
 
 /// Every key is known, of its kind and in range, or the scene is refused. `name` stands in messages.
 /// Issues: config_*.
 Result<Scene> parse_scene(std::string_view text, const std::string& name);
-/// As parse_scene; relative assets are taken relative to the scene's folder.
+/// As parse_scene; relative assets and meshes are taken relative to the scene's folder.
 Result<Scene> read_scene(const std::filesystem::path& file);
 
 const std::string& scene_body_name(const SceneBody& body);

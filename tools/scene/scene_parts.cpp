@@ -16,7 +16,8 @@ constexpr NumberRange load_range{-1e12, 1e12};  // N or Pa
 
 const std::array<std::string, 3> load_kinds{"force", "traction", "pressure"};
 
-/// {axis, angle_deg} or {quaternion = [w, x, y, z]}; normalised.
+}  // namespace
+
 std::array<double, 4> parse_rotation(TomlTable rotation) {
   const auto given = rotation.numbers("quaternion", 4, {-1e6, 1e6});
   const auto axis = rotation.point("axis", {-1e6, 1e6});
@@ -51,7 +52,6 @@ void check_keyframe_count(TomlTable& entry, std::size_t count) {
                  "more than " + std::to_string(keyframe_limit) + " keyframes", "keyframes");
 }
 
-/// `last`: of the keyframe before.
 double parse_time(TomlTable& frame, double last) {
   frame.require("time_s", "when this holds");
   const double time_s = frame.number("time_s", {0, 1e6}).value_or(0);
@@ -59,8 +59,6 @@ double parse_time(TomlTable& frame, double last) {
     frame.refuse(IssueCode::config_bad_value, "the times of keyframes have to ascend", "time_s");
   return time_s;
 }
-
-}  // namespace
 
 Pose parse_pose(TomlTable& table) {
   Pose pose;

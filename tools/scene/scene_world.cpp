@@ -7,11 +7,14 @@
 #include <memory>
 #include <set>
 
+#include "runtime/collision/rigid_mesh.hpp"
 #include "runtime/load/load_soft_body.hpp"
 #include "runtime/world/integrator.hpp"
+#include "runtime/world/rigid_path.hpp"
 #include "runtime/world/soft_body_asset.hpp"
 #include "tools/exchange/nearest_name.hpp"
 #include "tools/exchange/numbers.hpp"
+#include "tools/exchange/shape_mesh.hpp"
 #include "tools/scene/scene_loads.hpp"
 
 namespace souple {
@@ -107,7 +110,7 @@ Result<std::vector<std::string>> variants_for(AssetReader& reader, const WorldSe
   std::vector<std::string> names;
   for (const std::string& fixed : fixed_sets) {
     if (auto status = check_fixed_set(reader, fixed, file); !status) return status.issue();
-    if (settings.contact_method == ContactMethod::exact) continue;
+    if (settings.contact_method != ContactMethod::warped) continue;
     auto name = matching_variant(*headers, asked, fixed, file);
     if (!name) return name.issue();
     names.push_back(std::move(*name));
@@ -156,28 +159,76 @@ Status add_loads(World& world, BodyId body, const SceneSoftBody& soft) {
   return {};
 }
 
-Status set_pairs(const Scene& scene, SceneWorld& built) {
-  const auto body = [&](const std::string& name) {
-    const auto place = std::ranges::find(scene.bodies, name, scene_body_name);
-    return built.bodies[std::size_t(place - scene.bodies.begin())];
-  };
+BodyId body_called(const std::string& name, const Scene& scene, const SceneWorld& built) {
+  const auto place = std::ranges::find(scene.bodies, name, scene_body_name);
+  return built.bodies[std::size_t(place - scene.bodies.begin())];
+}
+
+Status add_constraints(const Scene& scene, SceneWorld& built) {
+  const auto body = [&](const std::string& name) { return body_called(name, scene, built); };
   for (const ScenePair& pair : scene.pairs)
     if (auto status = built.world.set_pair(body(pair.a), body(pair.b), pair.rule); !status)
       return status;
+  for (const SceneJoint& joint : scene.joints) {
+    JointDescription description = joint.description;
+    description.body_a = body(joint.a);
+    if (!joint.b.empty()) description.body_b = body(joint.b);
+    if (auto added = built.world.add_joint(description); !added) return added.issue();
+  }
+  for (const SceneGrab& grab : scene.grabs) {
+    GrabDescription description = grab.description;
+    description.body = body(grab.body);
+    auto id = built.world.grab(description);
+    if (!id) return id.issue();
+    built.grabs.push_back(*id);
+  }
   return {};
 }
+
+/// Surfaces of rigid bodies, each file read once for a size.
+class RigidMeshes {
+ public:
+  explicit RigidMeshes(const MeshLoader& load) : load_(load) {}
+
+  Result<std::shared_ptr<const RigidMesh>> get(const RigidMeshFile& file) {
+    if (const auto known = meshes_.find(file); known != meshes_.end()) return known->second;
+    if (!load_)
+      return make_issue(IssueCode::unsupported_feature, "surfaces of rigid bodies are not read here");
+    auto surface = load_(file);
+    if (!surface) return surface.issue();
+    auto mesh = RigidMesh::make(std::move(*surface));
+    if (!mesh) return mesh.issue();
+    return meshes_[file] = std::make_shared<const RigidMesh>(std::move(*mesh));
+  }
+
+ private:
+  const MeshLoader& load_;
+  std::map<RigidMeshFile, std::shared_ptr<const RigidMesh>> meshes_;
+};
 
 Issue in_file(Issue issue, const std::filesystem::path& file) {
   if (issue.where.empty()) issue.where = file.string();
   return issue;
 }
 
+Result<BodyId> add_rigid_body(const SceneRigidBody& body, RigidMeshes& meshes, SceneWorld& built) {
+  RigidBodyDescription description = body.description;
+  if (body.mesh) {
+    auto mesh = meshes.get(*body.mesh);
+    if (!mesh) return in_file(mesh.issue(), body.mesh->file);
+    description.shape.mesh = std::move(*mesh);
+  }
+  built.shapes.back() = description.shape;
+  return built.world.add_rigid_body(description);
+}
+
 }  // namespace
 
-Result<SceneWorld> build_world(const Scene& scene) {
+Result<SceneWorld> build_world(const Scene& scene, const MeshLoader& load_mesh) {
   auto world = World::create(scene.world);
   if (!world) return world.issue();
   SceneWorld built{std::move(*world), {}, {}};
+  RigidMeshes meshes(load_mesh);
   std::map<std::filesystem::path, FixedSetNames> wanted;
   for (const SceneBody& body : scene.bodies)
     if (const auto* soft = std::get_if<SceneSoftBody>(&body))
@@ -191,16 +242,38 @@ Result<SceneWorld> build_world(const Scene& scene) {
   }
   for (const SceneBody& body : scene.bodies) {
     const auto* soft = std::get_if<SceneSoftBody>(&body);
+    built.shapes.emplace_back();
     auto id = soft != nullptr
                   ? built.world.add_soft_body(assets[soft->asset.lexically_normal()], soft->description)
-                  : built.world.add_rigid_body(std::get<RigidBodyDescription>(body));
+                  : add_rigid_body(std::get<SceneRigidBody>(body), meshes, built);
     if (!id) return id.issue();
     built.bodies.push_back(*id);
     if (soft != nullptr)
       if (auto status = add_loads(built.world, *id, *soft); !status) return status.issue();
   }
-  if (auto status = set_pairs(scene, built); !status) return status.issue();
+  if (auto status = add_constraints(scene, built); !status) return status.issue();
   return built;
+}
+
+// The handle of the world turns about the origin, that of the scene about the point it grabbed.
+Status drive_grabs(const Scene& scene, SceneWorld& built) {
+  const double next_s = built.world.time_s() + scene.world.time_step_s;
+  for (std::size_t k = 0; k < scene.grabs.size(); ++k) {
+    const SceneGrab& grab = scene.grabs[k];
+    std::optional<GrabId>& id = built.grabs[k];
+    if (!id) continue;
+    if (next_s > grab.release_s) {
+      if (auto status = built.world.release(*id); !status) return status;
+      id.reset();
+      continue;
+    }
+    if (grab.path.empty()) continue;
+    Pose handle = pose_at(grab.path, next_s);
+    const Point turned = place({handle.rotation, {}}, grab.description.point_m);
+    for (std::size_t axis = 0; axis < 3; ++axis) handle.translation[axis] -= turned[axis];
+    if (auto status = built.world.move_grab(*id, handle); !status) return status;
+  }
+  return {};
 }
 
 }  // namespace souple

@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,11 +26,20 @@ struct SceneWorld {
   World world;
   std::vector<BodyId> bodies;  ///< in the order of the scene
   std::vector<AssetUse> assets;
+  std::vector<RigidShape> shapes{};            ///< of the bodies; of a soft one nothing
+  std::vector<std::optional<GrabId>> grabs{};  ///< in the order of the scene; nothing: released
 };
+
+/// Reads the surface of a rigid body, in metres: which files can be read is the application's to know.
+using MeshLoader = std::function<Result<TriangleMesh>(const RigidMeshFile&)>;
 
 /// Loads every asset once, and of it only the compliances that the scene's time step and fixed sets
 /// need. Issues: those of load_soft_body and World; fixed_set_invalid; scene_no_matching_compliance
-/// (names what the asset has).
-Result<SceneWorld> build_world(const Scene& scene);
+/// (names what the asset has); those of `load_mesh`, unsupported_feature without one.
+Result<SceneWorld> build_world(const Scene& scene, const MeshLoader& load_mesh = {});
+
+/// Tells the grabs of the scene where to be at the end of the next step, and releases those whose time
+/// has come. To be called before every step.
+Status drive_grabs(const Scene& scene, SceneWorld& built);
 
 }  // namespace souple

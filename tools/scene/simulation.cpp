@@ -63,6 +63,9 @@ std::string hash_state(const SceneWorld& built) {
       const Pose pose = built.world.rigid_pose(body);
       XXH3_128bits_update(state, pose.rotation.data(), sizeof pose.rotation);
       XXH3_128bits_update(state, pose.translation.data(), sizeof pose.translation);
+      for (const Point& rate :
+           {built.world.rigid_velocity(body), built.world.rigid_angular_velocity(body)})
+        XXH3_128bits_update(state, rate.data(), sizeof rate);
     }
   }
   XXH128_canonical_t canonical;
@@ -87,6 +90,16 @@ Point summed_contact_force(const SceneWorld& built) {
   return sum;
 }
 
+EventCounts count_events(const World& world) {
+  EventCounts counts;
+  for (const ContactEvent& event : world.contact_events()) {
+    if (event.kind == ContactEventKind::begin) ++counts.begin;
+    if (event.kind == ContactEventKind::persist) ++counts.persist;
+    if (event.kind == ContactEventKind::end) ++counts.end;
+  }
+  return counts;
+}
+
 double soft_mass(const SceneWorld& built) {
   double mass = 0;
   for (const BodyId body : built.bodies)
@@ -102,7 +115,8 @@ class Collector {
     times_.reserve(static_cast<std::size_t>(step_count));
   }
 
-  void add(const StepReport& step, double time_s) {
+  void add(const StepReport& step, const World& world) {
+    const double time_s = world.time_s();
     const std::int64_t number = ++report.steps_done;
     times_.push_back(step.times);
     contact_sum_ += static_cast<double>(step.contact_count);
@@ -112,11 +126,17 @@ class Collector {
     report.cone_violation.meet(step.cone_violation, number);
     report.contact_residual.meet(step.contact_residual, number);
     report.free_motion_residual.meet(step.free_motion_residual, number);
+    report.joint_error_m.meet(step.worst_joint_error_m, number);
     report.contact_sweeps.meet(step.contact_sweeps, number);
     report.unconverged_count.meet(step.unconverged_count, number);
     report.last = step;
+    report.last_events = count_events(world);
+    report.events.begin += report.last_events.begin;
+    report.events.persist += report.last_events.persist;
+    report.events.end += report.last_events.end;
     report.simulated_s = time_s;
-    if (number % report.sample_stride == 0) report.samples.push_back({number, time_s, step});
+    if (number % report.sample_stride == 0)
+      report.samples.push_back({number, time_s, step, report.last_events});
   }
 
   void finish(const SceneWorld& built) {
@@ -137,10 +157,14 @@ class Collector {
   double contact_sum_ = 0;
 };
 
-Status step_once(const Scene& scene, SceneWorld& built, FrameWriter& frames, Collector& collector) {
+Status step_once(const Scene& scene, SceneWorld& built, const SimulationOptions& options,
+                 FrameWriter& frames, Collector& collector) {
+  if (auto status = drive_grabs(scene, built); !status) return status;
   const auto step = built.world.step();
   if (!step) return step.issue();
-  collector.add(*step, built.world.time_s());
+  collector.add(*step, built.world);
+  if (options.after_step)
+    if (auto status = options.after_step(collector.report.steps_done); !status) return status;
   if (collector.report.steps_done % scene.output.frames_every != 0) return {};
   return frames.write_frame();
 }
@@ -165,7 +189,7 @@ SimulationReport run_simulation(const Scene& scene, SceneWorld& built,
       report.interrupted = true;
       break;
     }
-    status = step_once(scene, built, frames, collector);
+    status = step_once(scene, built, options, frames, collector);
     if (options.progress) options.progress(report.steps_done);
   }
   const Status listed = frames.finish();

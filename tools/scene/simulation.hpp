@@ -22,6 +22,8 @@ struct SimulationOptions {
   std::filesystem::path folder;
   std::function<void(std::int64_t steps_done)> progress;  ///< may be empty
   std::function<bool()> interrupted;                      ///< may be empty; asked between steps
+  /// May be empty. After every step, before its frame; an issue ends the run.
+  std::function<Status(std::int64_t steps_done)> after_step{};
 };
 
 /// Distribution of one phase's wall time over the steps.
@@ -36,11 +38,17 @@ struct Worst {
   void meet(double candidate, std::int64_t at_step);
 };
 
+/// Pairs of bodies by what became of their touch in a step.
+struct EventCounts {
+  std::size_t begin = 0, persist = 0, end = 0;
+};
+
 /// Of every `stride`-th step.
 struct SimulationSample {
   std::int64_t step = 0;
   double time_s = 0;
   StepReport report;
+  EventCounts events;
 };
 
 struct SimulationReport {
@@ -55,9 +63,11 @@ struct SimulationReport {
   std::size_t largest_contact_count = 0;
   double mean_contact_count = 0;
   Worst penetration_m, surface_depth_m, cone_violation, contact_residual, free_motion_residual;
-  Worst contact_sweeps;
+  Worst joint_error_m, contact_sweeps;
   Worst unconverged_count;  ///< solves of a step that missed their tolerance
   StepReport last;
+  EventCounts last_events;
+  EventCounts events;  ///< of all steps together
   std::int64_t sample_stride = 1;
   std::vector<SimulationSample> samples;  ///< at most about 2000
   Point contact_force_n{};                ///< sum over soft bodies of the last step's contact forces, N

@@ -14,6 +14,8 @@ namespace {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+DelassusTarget<double> target(Matrix& w) { return {w.data(), std::size_t(w.cols())}; }
+
 TEST(ContactFrame, IsOrthonormalWithTheNormalFirst) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
@@ -70,8 +72,8 @@ struct Fixture {
     Matrix w = Matrix::Zero(3 * contacts, 3 * contacts);
     DelassusWork<Scalar> work;
     add_to_delassus<Scalar>({touches, frames, rotations}, {stored.data(), stride, slots}, factor,
-                            {w.data(), std::size_t(w.size())}, work);
-    mirror_delassus(contacts, {w.data(), std::size_t(w.size())});
+                            target(w), work);
+    mirror_delassus(contacts, target(w));
     return w;
   }
 };
@@ -111,9 +113,8 @@ TEST(DelassusOperator, AddsTheRigidPartLikeTheExplicitProduct) {
   const Matrix expected = -0.7 * f.h * f.r * rigid * f.r.transpose() * f.h.transpose();
   Matrix w = Matrix::Zero(expected.rows(), expected.cols());
   DelassusWork<double> work;
-  add_rigid_to_delassus({f.touches, f.frames, f.rotations}, modes, points, -0.7,
-                        {w.data(), std::size_t(w.size())}, work);
-  mirror_delassus(Fixture::contacts, {w.data(), std::size_t(w.size())});
+  add_rigid_to_delassus({f.touches, f.frames, f.rotations}, modes, points, -0.7, target(w), work);
+  mirror_delassus(Fixture::contacts, target(w));
   EXPECT_LT((w - expected).norm() / expected.norm(), 1e-13);
 }
 
@@ -124,7 +125,7 @@ TEST(DelassusOperator, MirrorsEverySize) {
     for (Eigen::Index i = 0; i < size; ++i)
       for (Eigen::Index j = 0; j <= i; ++j) w(i, j) = double(100 * i + j + 1);
     const Matrix lower = w.triangularView<Eigen::Lower>();
-    mirror_delassus(count, {w.data(), std::size_t(w.size())});
+    mirror_delassus(count, target(w));
     EXPECT_EQ(w, w.transpose());
     EXPECT_EQ(Matrix(w.triangularView<Eigen::Lower>()), lower);
   }

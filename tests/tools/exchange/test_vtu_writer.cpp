@@ -209,9 +209,13 @@ double enclosed_volume(const TriangleMesh& mesh) {
 TEST(ShapeMesh, IsWoundOutwardAndHasTheShapesVolumeAtAnyPose) {
   const double half = std::sqrt(0.5);
   const Pose pose{{half, 0, half, 0}, {1, 2, 3}};
-  RigidShape box{RigidShapeKind::box, 0, {0.5, 1, 2}};
+  RigidShape box;
+  box.kind = RigidShapeKind::box;
+  box.half_extents_m = {0.5, 1, 2};
   EXPECT_NEAR(enclosed_volume(triangulate_shape(box, pose, 1)), 8, 1e-12);
-  RigidShape sphere{RigidShapeKind::sphere, 0.5, {}};
+  RigidShape sphere;
+  sphere.kind = RigidShapeKind::sphere;
+  sphere.radius_m = 0.5;
   EXPECT_NEAR(enclosed_volume(triangulate_shape(sphere, pose, 1)), 4.0 / 3 * 3.14159265 * 0.125, 0.01);
 }
 

@@ -74,11 +74,11 @@ plane_size_m = 2
   EXPECT_EQ(liver.description.fixed_set, "foot");
   EXPECT_NEAR(liver.description.pose.rotation[0], std::sqrt(0.5), 1e-15);
   EXPECT_NEAR(liver.description.pose.rotation[3], std::sqrt(0.5), 1e-15);
-  const auto& box = std::get<RigidBodyDescription>(scene->bodies[1]);
+  const auto& box = std::get<SceneRigidBody>(scene->bodies[1]).description;
   EXPECT_EQ(box.name, "body2");
   EXPECT_EQ(box.shape.half_extents_m, (Point{1, 2, 3}));
   ASSERT_EQ(box.path.size(), 1u);
-  const auto& ball = std::get<RigidBodyDescription>(scene->bodies[2]);
+  const auto& ball = std::get<SceneRigidBody>(scene->bodies[2]).description;
   ASSERT_EQ(ball.path.size(), 2u);
   EXPECT_EQ(ball.path[1].pose.rotation, (std::array<double, 4>{0, 0, 0, 1}));
   EXPECT_EQ(scene->output.frames_every, 5);
@@ -166,7 +166,8 @@ TEST(Scene, RefusesLoadsAndDrivenNodesThatContradictThemselves) {
 }
 
 TEST(Scene, PairsNameTwoBodiesOfTheScene) {
-  const std::string two = soft + "name = \"a\"\n[[body]]\nkind = \"rigid\"\nshape = \"plane\"\nname = \"b\"\n";
+  const std::string two =
+      soft + "name = \"a\"\n[[body]]\nkind = \"rigid\"\nshape = \"plane\"\nname = \"b\"\n";
   const auto scene = parse_scene(two + "[[pair]]\na = \"b\"\nb = \"a\"\nfriction = 0.7\n" +
                                      "[[pair]]\na = \"a\"\nb = \"b\"\ncollides = false\n",
                                  "s.toml");
