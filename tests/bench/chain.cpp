@@ -44,7 +44,8 @@ double force_error(const Chain& chain, double weight) {
   return (sum - Vec3(0, 0, weight)).norm() / weight;
 }
 
-/// The last state that both share is where the links first touch; from there each goes on by itself.
+/// Both start alike and each goes on by itself: what is compared holds how far their motions drift apart,
+/// not only the error of a step.
 void compare(const std::string& name, int steps) {
   Chain exact = make_chain(name, ContactMethod::exact, 0.4);
   Chain warped = make_chain(name, ContactMethod::warped, 0.4);
