@@ -1,16 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "runtime/compliance/rigid_modes.hpp"
 
+#include "runtime/fem/cross_matrix.hpp"
+
 namespace souple {
-namespace {
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return m;
-}
-
-}  // namespace
 
 RigidModes::RigidModes(std::span<const Point> rest_positions, std::span<const double> masses) {
   double mass = 0;

@@ -3,16 +3,9 @@
 
 #include <algorithm>
 
+#include "runtime/fem/cross_matrix.hpp"
+
 namespace souple {
-namespace {
-
-Mat3 cross_matrix(const Vec3& a) {
-  Mat3 m;
-  m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return m;
-}
-
-}  // namespace
 
 void RigidContacts::collect(std::uint32_t index, const RigidBody& body,
                             std::span<const Contact> contacts, std::span<const std::uint32_t> own) {

@@ -8,6 +8,7 @@
 
 #include "runtime/collision/mass_properties.hpp"
 #include "runtime/collision/shape_minima.hpp"
+#include "runtime/fem/cross_matrix.hpp"
 #include "runtime/world/rigid_path.hpp"
 
 namespace souple {
@@ -116,11 +117,6 @@ void RigidBody::move_freely(double h, const Vec3& gravity) {
   const Mat3 r = s.orientation.toRotationMatrix();
   Vec3 spin = r.transpose() * s.spin;
   const Vec3 momentum = s.inertia.cwiseProduct(spin);
-  const auto cross_matrix = [](const Vec3& a) {
-    Mat3 m;
-    m << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-    return m;
-  };
   const Vec3 residual = h * spin.cross(momentum);
   const Mat3 jacobian = Mat3(s.inertia.asDiagonal()) +
                         h * (cross_matrix(spin) * s.inertia.asDiagonal() - cross_matrix(momentum));
