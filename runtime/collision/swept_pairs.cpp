@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "runtime/collision/box_features.hpp"
@@ -16,6 +17,8 @@ namespace {
 
 // Numbers of a shape's features, as in find_shape_minima.
 constexpr Index first_point = 1, capsule_side = 3, first_box_edge = 9;
+
+constexpr double infinite = std::numeric_limits<double>::infinity();
 
 struct Path {
   Vec3 start = Vec3::Zero(), end = Vec3::Zero();
@@ -100,7 +103,12 @@ struct Meeting {
   std::array<double, 3> weight{};  ///< in the triangle
   int feature = 6;
   double along_first = 0, along_second = 0;  ///< on segments
+  double end_depth = infinite;               ///< as in SweptPair
 };
+
+Vec3 between(const std::array<Path, 2>& segment, double along, double t) {
+  return segment[0].at(t) + along * (segment[1].at(t) - segment[0].at(t));
+}
 
 std::optional<Meeting> point_meets_triangle(const Path& point, const std::array<Path, 3>& corners,
                                             double radius, double alarm) {
@@ -117,12 +125,15 @@ std::optional<Meeting> point_meets_triangle(const Path& point, const std::array<
   const auto time = time_of_meeting(distance_at, speed);
   if (!time) return std::nullopt;
   const ClosestOnTriangle closest = closest_at(*time);
-  Meeting meeting{
-      *time, (point.at(*time) - closest.point).normalized(), closest.weight, closest.feature, 0, 0};
-  const Vec3 area =
-      (corners[1].at(*time) - corners[0].at(*time)).cross(corners[2].at(*time) - corners[0].at(*time));
+  Meeting meeting{*time, (point.at(*time) - closest.point).normalized(), closest.weight,
+                  closest.feature};
+  const auto area_at = [&](double t) {
+    return Vec3((corners[1].at(t) - corners[0].at(t)).cross(corners[2].at(t) - corners[0].at(t)));
+  };
   // From behind, a point leaves.
+  const Vec3 area = area_at(*time);
   if (meeting.direction.dot(area) < -1e-3 * area.norm()) return std::nullopt;
+  meeting.end_depth = radius - (point.end - corners[0].end).dot(area_at(1).normalized());
   return meeting;
 }
 
@@ -183,7 +194,7 @@ Index feature_of(const DeformedSurface& s, Index t, int feature) {
   return s.tree().edge_feature(s.topology().triangle_edges[t][feature - 3]);
 }
 
-// Appends of every owner (the vertex, or the edge of A) the earliest of `found`.
+// Appends of every owner (the vertex, or an edge) the earliest of `found`.
 template <class Owner>
 void keep_earliest(std::vector<SweptPair>& found, const Owner& owner, std::vector<SweptPair>& out) {
   std::ranges::sort(found, {}, [&](const SweptPair& p) {
@@ -191,7 +202,6 @@ void keep_earliest(std::vector<SweptPair>& found, const Owner& owner, std::vecto
   });
   for (std::size_t k = 0; k < found.size(); ++k)
     if (k == 0 || owner(found[k]) != owner(found[k - 1])) out.push_back(found[k]);
-  found.clear();
 }
 
 void sort_pairs(std::vector<SweptPair>& out, std::size_t first) {
@@ -226,6 +236,7 @@ void sweep_vertices(const MovingSurface& x, const MovingSurface& y, bool flipped
         const Vec3 foot = start_of(y.s, t, meeting->weight);
         SweptPair swept;
         swept.time = meeting->time;
+        swept.end_depth = meeting->end_depth;
         LocalMinimum& m = swept.minimum;
         m.a = flipped ? face : vertex;
         m.b = flipped ? vertex : face;
@@ -263,14 +274,13 @@ void sweep_edges(const MovingSurface& a, const MovingSurface& b, double alarm,
           continue;
         SweptPair swept;
         swept.time = meeting->time;
+        swept.end_depth = meeting->end_depth;
         swept.minimum.a = edge_point(a.s, e, meeting->along_first);
         swept.minimum.b = edge_point(b.s, f, meeting->along_second);
         swept.minimum.feature_a = a.s.tree().edge_feature(e);
         swept.minimum.feature_b = b.s.tree().edge_feature(f);
-        settle(swept.minimum,
-               path_a[0].start + meeting->along_first * (path_a[1].start - path_a[0].start),
-               path_b[0].start + meeting->along_second * (path_b[1].start - path_b[0].start),
-               meeting->direction);
+        settle(swept.minimum, between(path_a, meeting->along_first, 0),
+               between(path_b, meeting->along_second, 0), meeting->direction);
         found.push_back(swept);
       }
     }
@@ -323,6 +333,7 @@ class ShapeSweep {
     const Vec3 point = carried(from + hit->distance / length * (to - from), start_);
     SweptPair swept;
     swept.time = hit->distance / length;
+    swept.end_depth = -signed_distance(shape_, {}, to).distance;
     swept.minimum.a = {1, {m_.s.topology().nodes[v], 0, 0}, {1, 0, 0}};
     swept.minimum.feature_a = m_.s.tree().vertex_feature(v);
     settle(swept.minimum, path.start, point, start_.rotation * hit->normal);
@@ -359,6 +370,7 @@ class ShapeSweep {
         if (meeting->direction.dot(start_.rotation * outward) > same_side_cosine) continue;
         first.emplace();
         first->time = meeting->time;
+        first->end_depth = meeting->end_depth;
         first->minimum.a = triangle_point(m_.s, t, meeting->weight);
         first->minimum.feature_a = feature_of(m_.s, t, meeting->feature);
         first->minimum.feature_b = feature;
@@ -382,12 +394,12 @@ class ShapeSweep {
         if (meeting->direction.dot(ridge->outward) > -edge_cone_slack) continue;
         first.emplace();
         first->time = meeting->time;
+        first->end_depth = meeting->end_depth;
         first->minimum.a = edge_point(m_.s, e, meeting->along_first);
         first->minimum.feature_a = m_.s.tree().edge_feature(e);
         first->minimum.feature_b = feature;
-        settle(first->minimum, edge[0].start + meeting->along_first * (edge[1].start - edge[0].start),
-               segment[0].start + meeting->along_second * (segment[1].start - segment[0].start) +
-                   radius * meeting->direction,
+        settle(first->minimum, between(edge, meeting->along_first, 0),
+               between(segment, meeting->along_second, 0) + radius * meeting->direction,
                meeting->direction);
       }
     });
@@ -425,10 +437,13 @@ void find_swept_pairs(const DeformedSurface& a, const Eigen::VectorXd& xa_end, c
   arrays.swept.clear();
   sweep_vertices(moving_a, moving_b, false, alarm_distance, arrays, arrays.swept);
   keep_earliest(arrays.swept, of_a, out);
+  arrays.swept.clear();
   sweep_vertices(moving_b, moving_a, true, alarm_distance, arrays, arrays.swept);
   keep_earliest(arrays.swept, of_b, out);
+  arrays.swept.clear();
   sweep_edges(moving_a, moving_b, alarm_distance, arrays, arrays.swept);
   keep_earliest(arrays.swept, of_a, out);
+  keep_earliest(arrays.swept, of_b, out);
   sort_pairs(out, first);
 }
 

@@ -2,6 +2,7 @@
 // Pairs that are apart at the start of a step and would meet in it: thin parts and fast motion. Every
 // point moves on a straight line from start to end.
 #pragma once
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -15,6 +16,9 @@ namespace souple {
 struct SweptPair {
   LocalMinimum minimum;
   double time = 0;  ///< of the meeting, as a fraction of the step, 0 to 1
+  /// How far a vertex is behind the plane of the face, or inside the shape, at the end, m; infinite
+  /// where that was not looked at: edges, two shapes.
+  double end_depth = std::numeric_limits<double>::infinity();
 };
 
 /// Appends vertex-face and edge-edge pairs of two surfaces, refitted at the start, that meet before the

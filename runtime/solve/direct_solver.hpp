@@ -18,6 +18,7 @@ class DirectSolver final : public Preconditioner {
   /// Two readings of the factor; factorising costs far more and is done once a step.
   double work_units() const override { return work_units_; }
   std::size_t bytes() const override;
+  const SparseFactor* factor() const override { return &factor_; }
 
  private:
   SparseFactor factor_;

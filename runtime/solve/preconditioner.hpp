@@ -8,6 +8,8 @@
 
 namespace souple {
 
+class SparseFactor;
+
 /// The linear system of a step, A dx = b; fixed nodes have identity rows and columns.
 struct StepSystem {
   const BlockMatrix* tangent = nullptr;    ///< A, symmetric positive definite
@@ -26,6 +28,8 @@ class Preconditioner {
   /// Cost of one apply in work units: products with the finest A.
   virtual double work_units() const = 0;
   virtual std::size_t bytes() const = 0;
+  /// The factor of A on the nodes that move, if it is what apply solves with.
+  virtual const SparseFactor* factor() const { return nullptr; }
 };
 
 }  // namespace souple

@@ -35,6 +35,11 @@ void StepSolver::set_system(const StepSystem& system) {
   work_ = 0;
 }
 
+const SparseFactor* StepSolver::current_factor() {
+  if (factor() && !is_current_) is_current_ = active().preconditioner->update(system_);
+  return is_current_ ? factor() : nullptr;
+}
+
 void StepSolver::add_spare(std::unique_ptr<Preconditioner> spare) {
   choices_[1] = {std::move(spare), -1};
 }

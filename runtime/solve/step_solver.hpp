@@ -48,6 +48,11 @@ class StepSolver {
   /// iterate of least residual that was seen.
   SolveReport solve(const Eigen::VectorXd& b, const SolveLimits& limits, Eigen::VectorXd& x);
 
+  /// The factor of A if it is solved with one, or nothing; current_factor also brings it up to date,
+  /// and gives nothing where A is not positive definite.
+  const SparseFactor* factor() const { return active().preconditioner->factor(); }
+  const SparseFactor* current_factor();
+
   /// What the choice between the preconditioners has been made from; the next systems depend on it.
   struct Memory {
     std::array<double, 2> work{-1, -1};

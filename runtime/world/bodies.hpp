@@ -50,6 +50,8 @@ struct SoftBody {
   /// Rotations of elements and nodes, tangent A with identity rows for fixed nodes, and in `load` the
   /// forces of gravity, loads and elasticity. Contact forces are added to `load` afterwards.
   void prepare_free_motion(const StepRule& rule);
+  /// Factorises the present A unless that was done; false if it is not positive definite.
+  bool make_inverse();
   /// Whether BDF2 has no step before this one, or none that it may build on.
   bool lacks_history(const StepRule& rule) const {
     return rule.integrator == Integrator::bdf2 && !history.valid;
@@ -91,8 +93,11 @@ struct SoftBody {
   bool self_contact = false;
   const BodyCompliance* compliance = nullptr;  ///< warped contact
   double compliance_scale = 1;                 ///< stored C0 times this is A0^-1
-  std::optional<SparseFactor> factor;          ///< exact contact: of the present A
-  std::vector<char> is_fixed;                  ///< by node
+  /// Exact contact: of the present A, where the solver has none of its own.
+  std::optional<SparseFactor> factor;
+  const SparseFactor* inverse = nullptr;  ///< exact contact: the factor of this step, once it is made
+  std::uint64_t inverse_number = 0;
+  std::vector<char> is_fixed;  ///< by node
   std::vector<Index> free_nodes;
   std::vector<DrivenNodes> driven;
   std::vector<AppliedLoad> loads;

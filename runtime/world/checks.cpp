@@ -176,9 +176,10 @@ Status prepare_contact_method(SoftBody& body, const WorldSettings& settings,
   const double h = settings.time_step_s;
   if (settings.contact_method == ContactMethod::penalty) return {};
   if (settings.contact_method == ContactMethod::exact) {
+    body.work.setZero(6 * Eigen::Index(body.free_nodes.size()));
+    if (body.solver->factor()) return {};
     body.factor.emplace();
     body.factor->analyze(model.pattern(), model.rest_positions(), body.free_nodes);
-    body.work.setZero(2 * body.factor->size());
     return {};
   }
   const SystemFactors factors =

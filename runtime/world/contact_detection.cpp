@@ -150,28 +150,30 @@ void end_positions(const WorldBody& body, Eigen::VectorXd& end) {
 
 }  // namespace
 
-void find_swept(const WorldBody& a, const WorldBody& b, Eigen::VectorXd& end_a, Eigen::VectorXd& end_b,
-                PairContacts& pair) {
+bool has_surface(const WorldBody& body) { return surface_of(body) != nullptr; }
+
+void find_swept(const WorldBody& a, const WorldBody& b, double least_depth, PairContacts& pair) {
   const DeformedSurface *surface_a = surface_of(a), *surface_b = surface_of(b);
   const double alarm = pair.alarm_distance_m;
   pair.swept.clear();
   pair.minima.clear();
   const bool flip = !surface_a && surface_b;
-  if (surface_a) end_positions(a, end_a);
-  if (surface_b) end_positions(b, end_b);
+  if (surface_a) end_positions(a, pair.end_a);
+  if (surface_b) end_positions(b, pair.end_b);
   if (surface_a && surface_b) {
-    find_swept_pairs(*surface_a, end_a, *surface_b, end_b, alarm, pair.work, pair.swept);
+    find_swept_pairs(*surface_a, pair.end_a, *surface_b, pair.end_b, alarm, pair.work, pair.swept);
   } else if (surface_a || surface_b) {
     const auto& shape = std::get<RigidBody>(flip ? a : b);
-    find_swept_shape(flip ? *surface_b : *surface_a, flip ? end_b : end_a, shape.shape, shape.start,
-                     shape.free_end(), alarm, pair.work, pair.swept);
+    find_swept_shape(flip ? *surface_b : *surface_a, flip ? pair.end_b : pair.end_a, shape.shape,
+                     shape.start, shape.free_end(), alarm, pair.work, pair.swept);
   } else {
     const auto &one = std::get<RigidBody>(a), &two = std::get<RigidBody>(b);
     if (const auto hit = find_swept_shapes(one.shape, one.start, one.free_end(), two.shape, two.start,
                                            two.free_end(), alarm, pair.work))
       pair.swept.push_back(*hit);
   }
-  for (const SweptPair& s : pair.swept) pair.minima.push_back(s.minimum);
+  for (const SweptPair& s : pair.swept)
+    if (s.end_depth >= least_depth) pair.minima.push_back(s.minimum);
   const bool analytic = !surface_a || !surface_b;
   if (flip)
     take_minima(b, pair.b, a, pair.a, analytic, pair);

@@ -22,6 +22,7 @@ struct PairContacts {
   ProximityWork work;
   std::vector<LocalMinimum> minima;
   std::vector<SweptPair> swept;
+  Eigen::VectorXd end_a, end_b;  ///< positions
 };
 
 /// The pairs of a step; those of the last one leave their memory.
@@ -44,10 +45,12 @@ class PairList {
 /// and meshes as they were refitted last.
 void find_near(const WorldBody& a, const WorldBody& b, PairContacts& pair);
 
-/// Pairs that the free motion would let through each other though they are farther apart than the alarm
-/// distance: appended. `end_a`, `end_b`: scratch.
-void find_swept(const WorldBody& a, const WorldBody& b, Eigen::VectorXd& end_a, Eigen::VectorXd& end_b,
-                PairContacts& pair);
+/// Whether it is a surface of triangles: soft bodies and rigid meshes.
+bool has_surface(const WorldBody& body);
+
+/// Pairs that the motion so far would let through each other though they are farther apart than the
+/// alarm distance, and leave more than `least_depth` (m) past each other: appended.
+void find_swept(const WorldBody& a, const WorldBody& b, double least_depth, PairContacts& pair);
 
 /// How deep the deformed surface of `soft` enters a rigid body at `at`, m, >= 0: at its nodes, and as
 /// true depth of its surface: exact for planes and spheres, sampled on a grid of 10 divisions of each

@@ -41,7 +41,7 @@ Status World::State::build_delassus() {
       own.build_warped(body, body.stabilisation.relaxation);
       return;
     }
-    body_steps[index].sound = body.factor->factorize(body.tangent);
+    body_steps[index].sound = body.make_inverse();
     if (!body_steps[index].sound) return;
     own.evaluate_exact(body);
     own.build_exact();
@@ -244,7 +244,7 @@ Status World::State::solve_pass(StepReport& report, PhaseClock& clock) {
   constexpr int most_rounds = 4;
   for (int round = 0; round < most_rounds; ++round) {
     if (round > 0) {
-      if (!take_back_closed()) break;
+      if (!add_missing(round == 1)) break;
       if (auto status = check_ready(); !status) return status;
       if (auto status = build_delassus(); !status) return status;
     }

@@ -98,11 +98,14 @@ void BodyContacts::relax_motion(SoftBody& body, double relaxation) const {
 
 void BodyContacts::evaluate_exact(const SoftBody& body) {
   const std::size_t size = 3 * nodes_.size();
-  compliance_.resize(size * size);
   rows_.clear();
   for (const Index node : nodes_)
     rows_.push_back(Index(std::ranges::lower_bound(body.free_nodes, node) - body.free_nodes.begin()));
-  body.factor->inverse_block(rows_, compliance_, inverse_work_);
+  if (body.inverse_number == evaluated_inverse_ && rows_ == evaluated_rows_) return;
+  evaluated_inverse_ = body.inverse_number;
+  evaluated_rows_ = rows_;
+  compliance_.resize(size * size);
+  body.inverse->inverse_block(rows_, compliance_, inverse_work_);
 }
 
 void BodyContacts::build_exact() {
@@ -176,11 +179,11 @@ void BodyContacts::correct_warped(SoftBody& body, double relaxation, std::span<c
 void BodyContacts::correct_exact(SoftBody& body, std::span<const double> force) const {
   body.rest_frame.setZero();
   add_forces(force, body.rest_frame);
-  const Eigen::Index unknowns = body.factor->size();
+  const Eigen::Index unknowns = body.inverse->size();
   auto column = body.work.head(unknowns);
   for (std::size_t k = 0; k < body.free_nodes.size(); ++k)
     column.segment<3>(3 * Eigen::Index(k)) = node_entry(body.rest_frame, body.free_nodes[k]);
-  body.factor->solve(column, body.work.segment(unknowns, unknowns));
+  body.inverse->solve(column, body.work.segment(unknowns, unknowns));
   for (std::size_t k = 0; k < body.free_nodes.size(); ++k)
     node_entry(body.motion, body.free_nodes[k]) += column.segment<3>(3 * Eigen::Index(k));
 }

@@ -56,7 +56,9 @@ class BodyContacts {
   std::vector<Index> nodes_, rows_, identity_;
   std::vector<Mat3> rotations_;
   ContactBlocks blocks_;            ///< warped
-  std::vector<double> compliance_;  ///< exact
+  std::vector<double> compliance_;  ///< exact: of these rows and of this inverse of the body
+  std::vector<Index> evaluated_rows_;
+  std::uint64_t evaluated_inverse_ = 0;
   InverseBlockWork inverse_work_;
   std::vector<Vec3> points_;  ///< rest positions of the nodes, m
   DelassusWork<float> warped_work_;

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Which contacts a step has: pairs of bodies that may meet in it, the features of theirs that are near,
-// joints and grabs; and which of them the free motion leaves to be solved for.
+// joints and grabs.
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
 
 #include "runtime/world/world_state.hpp"
@@ -14,6 +13,9 @@ namespace {
 
 // Share of a body's longest side that the automatic alarm distance adds to what a step can travel.
 constexpr double alarm_share = 0.01;
+
+// Of the smaller body's longest side: what a step may travel within the alarm distance.
+constexpr double fastest_part = 0.025;
 
 }  // namespace
 
@@ -41,12 +43,13 @@ Eigen::AlignedBox3d World::State::body_bounds(std::uint32_t index) const {
   return is_soft(index) ? soft(index).surface.bounds() : rigid(index).bounds();
 }
 
-// Below this gap two bodies may meet within the step. What moves faster in it than it did before is
-// left to the swept test.
+// Below this gap two bodies may meet within the step. A contact keeps a half space free, which far from
+// where they meet is too much: what travels farther is left to the swept tests.
 double World::State::alarm_distance(std::uint32_t a, std::uint32_t b) const {
   if (settings.alarm_distance_m > 0) return settings.alarm_distance_m;
   const double h = settings.time_step_s;
-  return margin_of_touch(a, b) + gravity.norm() * h * h + h * relative_speed(a, b);
+  return margin_of_touch(a, b) + gravity.norm() * h * h +
+         std::min(h * relative_speed(a, b), fastest_part * smaller_size({a, 0, b, 0}));
 }
 
 // Longest side of the smaller of the bodies that forces move: a floor has any size. m.
@@ -161,8 +164,8 @@ void World::State::complete(Contact& c) const {
 }
 
 // A compliance may be limited to the region of a body that is meant to be touched.
-void World::State::leave_out_uncovered() {
-  const auto is_covered = [&](const ContactSide& side) {
+bool World::State::is_covered(const Contact& contact) const {
+  const auto has_compliance = [&](const ContactSide& side) {
     if (side.count == 0 || !soft(side.body).compliance) return true;
     for (std::size_t k = 0; k < std::size_t(side.count); ++k)
       if (!soft(side.body).is_fixed[std::size_t(side.node[k])] &&
@@ -170,8 +173,11 @@ void World::State::leave_out_uncovered() {
         return false;
     return true;
   };
-  uncovered =
-      std::erase_if(contacts, [&](const Contact& c) { return !is_covered(c.a) || !is_covered(c.b); });
+  return has_compliance(contact.a) && has_compliance(contact.b);
+}
+
+void World::State::leave_out_uncovered() {
+  uncovered = std::erase_if(contacts, [&](const Contact& c) { return !is_covered(c); });
 }
 
 // What follows from the list of contacts.
@@ -205,126 +211,6 @@ Status World::State::check_ready() const {
                         "a body touches with nodes whose compliance has not been read yet",
                         soft(index).name);
   return {};
-}
-
-// What the free motion would carry through another body though it began farther away than contacts are
-// looked for: more than the alarm distance was meant for.
-void World::State::add_swept_contacts() {
-  bool found_any = false;
-  for (std::size_t k = 0; k < touching.size(); ++k) {
-    PairContacts& found = touching[k];
-    if (found.a == found.b || !is_awake(found.a) || !is_awake(found.b)) continue;
-    if (free_approach(found.a, found.b) <= found.alarm_distance_m) continue;
-    found.contacts.clear();
-    find_swept(*bodies[found.a], *bodies[found.b], swept_ends[0], swept_ends[1], found);
-    describe_pair(found);
-    for (Contact& contact : found.contacts) {
-      complete(contact);
-      const auto same = [&](const Contact& c) { return c.key == contact.key; };
-      if (std::ranges::any_of(contacts, same)) continue;
-      contacts.push_back(contact);
-      found_any = true;
-    }
-  }
-  if (!found_any) return;
-  std::ranges::sort(contacts, {}, &Contact::key);
-  leave_out_uncovered();
-  describe_contacts();
-  recall_forces();
-}
-
-// Mean motion in this step, and how far that of any point may be from it, m; no force is known yet.
-World::State::BodyMotion World::State::free_motion_of(std::uint32_t index,
-                                                      const Eigen::AlignedBox3d& region) const {
-  const double h = settings.time_step_s;
-  if (!is_soft(index)) {
-    const RigidBody& body = rigid(index);
-    if (body.free) return {body.free->shift, body.free->turn.norm() * std::sqrt(3.0) * body.size};
-    const BodyMotion rate = body.motion_in(region, h);
-    return {h * rate.velocity, h * rate.deviation};
-  }
-  const SoftBody& body = soft(index);
-  Vec3 mean = Vec3::Zero();
-  for (const Index node : body.asset->surface().nodes()) mean += node_entry(body.motion, node);
-  mean /= double(body.asset->surface().nodes().size());
-  double farthest = 0;
-  for (const Index node : body.asset->surface().nodes())
-    farthest = std::max(farthest, (node_entry(body.motion, node) - mean).squaredNorm());
-  return {mean, std::sqrt(farthest)};
-}
-
-double World::State::free_approach(std::uint32_t a, std::uint32_t b) const {
-  const BodyMotion one = free_motion_of(a, body_bounds(b)), two = free_motion_of(b, body_bounds(a));
-  return (one.velocity - two.velocity).norm() + one.deviation + two.deviation;
-}
-
-// Of a side in the free motion, where forces move it, m.
-Vec3 World::State::motion_of(const ContactSide& side) const {
-  Vec3 motion = Vec3::Zero();
-  if (side.body == ContactSide::no_body || !is_movable(side.body)) return motion;
-  if (!is_soft(side.body)) return rigid(side.body).free->motion_of(side.arm);
-  for (std::size_t k = 0; k < std::size_t(side.count); ++k)
-    if (!soft(side.body).is_fixed[std::size_t(side.node[k])])
-      motion += side.weight[k] * node_entry(soft(side.body).motion, side.node[k]);
-  return motion;
-}
-
-// How far a contact opens along its normal in the free motion, m.
-double World::State::normal_motion(const Contact& c) const {
-  return c.frame.col(0).dot(motion_of(c.a) - motion_of(c.b) - c.driven_motion);
-}
-
-// The alarm distance covers whatever a step may bring; after the free motion most of those contacts are
-// known to stay apart. Kept are those that carry force, and those that end near. Should the correction
-// close one of the others, it is taken back (take_back_closed).
-void World::State::discard_distant() {
-  put_off.clear();
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const Contact& c = contacts[i];
-    const bool is_pin = c.law.kind == ConstraintLaw::Kind::bilateral;
-    if (!is_pin && at(force, i).isZero(0) &&
-        c.gap + normal_motion(c) > margin_of_touch(c.key.body_a, c.key.body_b)) {
-      put_off.push_back(c);
-      continue;
-    }
-    contacts[kept] = c;
-    for (std::size_t k = 0; k < 3; ++k) {
-      force[3 * kept + k] = force[3 * i + k];
-      applied[3 * kept + k] = applied[3 * i + k];
-    }
-    ++kept;
-  }
-  if (put_off.empty()) return;
-  contacts.resize(kept);
-  force.resize(3 * kept);
-  applied.resize(3 * kept);
-  describe_contacts();
-}
-
-// Contacts that were put off and that the motion so far closes, back among the others without a force;
-// false if there are none.
-bool World::State::take_back_closed() {
-  const std::size_t before = contacts.size();
-  std::erase_if(put_off, [&](const Contact& c) {
-    if (c.gap + normal_motion(c) >= 0) return false;
-    contacts.push_back(c);
-    return true;
-  });
-  if (contacts.size() == before) return false;
-  order.resize(contacts.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::ranges::sort(order, {}, [&](std::uint32_t i) { return contacts[i].key; });
-  for (auto* rows : {&force, &applied, &included}) {
-    rows->resize(3 * contacts.size(), 0.0);
-    scratch_rows.resize(rows->size());
-    for (std::size_t k = 0; k < order.size(); ++k)
-      Eigen::Map<Vec3>(scratch_rows.data() + 3 * k) = at(*rows, order[k]);
-    std::swap(*rows, scratch_rows);
-  }
-  std::ranges::sort(contacts, {}, &Contact::key);
-  describe_contacts();
-  return true;
 }
 
 }  // namespace souple

@@ -18,6 +18,7 @@ void SoftBody::prescribe_motion(const StepRule& rule) {
 
 void SoftBody::prepare_free_motion(const StepRule& rule) {
   const CorotationalModel& model = asset->model();
+  inverse = nullptr;
   const SystemFactors factors = system_factors(
       rule.integrator, rule.time_step_s, model.rayleigh_mass_per_s(), model.rayleigh_stiffness_s());
   const Eigen::VectorXd& shape = shape_of_rotations(rule);
@@ -166,6 +167,16 @@ SolveReport SoftBody::solve_free_motion(const StepRule& rule, const FreeMotionSe
   const auto report = solve_from_motion(rule.time_step_s, settings);
   if (rule.integrator == Integrator::bdf2) history.free_motion = motion;
   return report;
+}
+
+bool SoftBody::make_inverse() {
+  if (inverse) return true;
+  if (!factor)
+    inverse = solver->current_factor();
+  else if (factor->factorize(tangent))
+    inverse = &*factor;
+  ++inverse_number;
+  return inverse != nullptr;
 }
 
 SolveReport SoftBody::solve_from_motion(double h, const FreeMotionSettings& settings) {

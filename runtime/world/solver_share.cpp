@@ -11,6 +11,8 @@ SolverKind chosen_solver(const SoftBody& body, const WorldSettings& settings,
                          const SystemFactors& factors) {
   if (settings.free_motion.solver != SolverKind::automatic) return settings.free_motion.solver;
   if (factors.stiffness == 0 || body.free_nodes.empty()) return SolverKind::jacobi_pcg;
+  // Exact contacts need the factor anyway.
+  if (settings.contact_method == ContactMethod::exact) return SolverKind::direct;
   return body.asset->default_solver();
 }
 

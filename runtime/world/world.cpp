@@ -40,9 +40,9 @@ Result<BodyId> World::add_soft_body(std::shared_ptr<const SoftBodyAsset> asset,
   if (auto status = hold_fixed_set(body, description.fixed_set); !status) return status.issue();
   if (auto status = drive_nodes(body, description); !status) return status.issue();
   if (auto status = prepare_integrator(body, s.settings); !status) return status.issue();
+  if (auto status = s.solvers.prepare(body, s.settings); !status) return status.issue();
   if (auto status = prepare_contact_method(body, s.settings, description.fixed_set); !status)
     return status.issue();
-  if (auto status = s.solvers.prepare(body, s.settings); !status) return status.issue();
   place_soft_body(body, description, s.time);
   body.surface.refit(body.x);
   return s.add(std::make_unique<State::Body>(std::move(body)), s.soft_indices);

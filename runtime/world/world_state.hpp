@@ -44,10 +44,11 @@ class PhaseClock {
 /// What the jobs of a step leave for what follows them.
 struct BodyStep {
   SolveReport solved;
-  bool sound = true;             ///< forces finite, tangent positive definite
-  bool struck = false;           ///< contacts changed the motion by an impulse; BDF2 only
-  double warping_energy_j = 0;   ///< that the warped correction gave and the step takes back
-  bool is_warping_wild = false;  ///< it gave more than half the kinetic energy before
+  bool sound = true;              ///< forces finite, tangent positive definite
+  bool has_new_contacts = false;  ///< since the motion was last corrected
+  bool struck = false;            ///< contacts changed the motion by an impulse; BDF2 only
+  double warping_energy_j = 0;    ///< that the warped correction gave and the step takes back
+  bool is_warping_wild = false;   ///< it gave more than half the kinetic energy before
   double kinetic_energy_j = 0, elastic_energy_j = 0, node_depth_m = 0, surface_depth_m = 0;
 };
 
@@ -88,7 +89,6 @@ struct World::State {
   std::vector<std::uint32_t> sleep_groups;  ///< scratch
   BroadPhase broad_phase;
   PairList touching;
-  std::array<Eigen::VectorXd, 2> swept_ends;
   std::vector<Contact> contacts;  ///< ascending by key
   std::vector<ConstraintLaw> laws;
   std::vector<std::vector<std::uint32_t>> contacts_of_body;  ///< by body index
@@ -188,10 +188,16 @@ struct World::State {
   void add_swept_contacts();
   void add_pin_contacts();
   void complete(Contact& contact) const;
+  bool is_covered(const Contact& contact) const;
   void leave_out_uncovered();
   double normal_motion(const Contact& contact) const;
   void discard_distant();
-  bool take_back_closed();
+  void take_back_closed();
+  void sweep_pair(PairContacts& found, double alarm, double least_depth);
+  std::optional<ContactKey> key_if_missing(const Contact& contact) const;
+  void add_crossing(bool first_look);
+  void order_contacts();
+  bool add_missing(bool first_look);
   void describe_contacts();
   void ask_ahead() const;
   Status check_ready() const;
