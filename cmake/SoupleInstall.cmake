@@ -6,6 +6,8 @@
 #   runtime  formats_core, runtime                 needs Eigen
 #   load     formats_read, runtime_load            needs HDF5 and zstd at the link
 #   write    formats_write                         needs HDF5 and zstd at the link
+#   c        c, the C interface, shared            needs nothing: it brings the runtime
+#   c_static c_static, the same as a static one    stands on load
 #   tools    the souple command
 include_guard()
 include(CMakePackageConfigHelpers)
@@ -46,6 +48,8 @@ endmacro()
 souple_export(runtime souple_formats_core souple_runtime)
 souple_export(load souple_formats_read souple_runtime_load)
 souple_export(write souple_formats_write)
+souple_export(c souple_c)
+souple_export(c_static souple_c_static)
 
 # soupleConfig.cmake knows how to find these again, and no others: an application that links us must not
 # meet a package that nobody told it of.
@@ -92,6 +96,8 @@ if(SOUPLE_BUILD_LOAD)
   souple_install_headers(write formats/write)
   install(FILES runtime/load/load_soft_body.hpp
     DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/souple/runtime/load" COMPONENT load)
+  install(FILES runtime/c_api/souple/souple.h
+    DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/souple" COMPONENT c)
 endif()
 
 configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/soupleConfig.cmake.in"

@@ -19,6 +19,7 @@ class DelassusBlock {
   DelassusTarget<float> values() { return {columns_.column(0), columns_.stride()}; }
   void finish() { mirror_delassus(columns_.width() / 3, values()); }
 
+  const PaddedColumns& columns() const { return columns_; }
   Mat3 diagonal_block(std::size_t i) const { return columns_.block(i, i); }
   void clear_gap();
   Vec3 gap(std::size_t i) const {

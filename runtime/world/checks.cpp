@@ -86,6 +86,27 @@ Status check_soft_body(const SoftBodyDescription& d) {
   return {};
 }
 
+namespace {
+
+Status check_handle(const RigidBodyDescription& d) {
+  constexpr double stiffest = 1e9;
+  const HandleCoupling& c = *d.handle;
+  if (d.free || d.path.size() != 1)
+    return refuse("a held body has the one pose where its hand begins, and does not move freely",
+                  d.name);
+  if (d.shape.kind == RigidShapeKind::plane) return refuse("no hand holds a plane", d.name);
+  if (!(c.stiffness_n_m > 0 && c.stiffness_n_m <= stiffest) ||
+      !(c.turn_stiffness_nm_rad > 0 && c.turn_stiffness_nm_rad <= stiffest))
+    return refuse("the stiffness of a coupling must be in (0, 1e9]", d.name);
+  if (!in_range(c.damping_n_s_m, 0, stiffest) || !in_range(c.turn_damping_nm_s_rad, 0, stiffest))
+    return refuse("the damping of a coupling must be in [0, 1e9]", d.name);
+  if (!within(c.centre_m, largest_length) || !in_range(c.look_ahead_m, 0, largest_length))
+    return refuse("the centre or the look-ahead of a coupling is out of range", d.name);
+  return {};
+}
+
+}  // namespace
+
 Status check_rigid_body(const RigidBodyDescription& d) {
   if (auto status = check_path(d.path, IssueCode::world_parameter_invalid, d.name); !status)
     return status;
@@ -103,6 +124,9 @@ Status check_rigid_body(const RigidBodyDescription& d) {
     if (!within(d.free->velocity_m_s, largest_rate) ||
         !within(d.free->angular_velocity_rad_s, largest_rate))
       return refuse("a velocity is out of range", d.name);
+  }
+  if (d.handle) {
+    if (auto status = check_handle(d); !status) return status;
   }
   if (d.shape.kind == RigidShapeKind::box)
     for (const double half : d.shape.half_extents_m)

@@ -19,6 +19,12 @@ class RigidContacts {
                std::span<const std::uint32_t> own);
   std::span<const std::uint32_t> contacts() const { return contacts_; }
 
+  /// Gap per shift and per rotation vector of the body.
+  Mat3 jacobian_of_shift(std::size_t local) const { return levers_[local].frame.transpose(); }
+  Mat3 jacobian_of_turn(std::size_t local) const { return jacobian_of_turn(levers_[local]); }
+  double shift_compliance() const { return shift_compliance_; }     ///< m/N
+  const Mat3& turn_compliance() const { return turn_compliance_; }  ///< rad/(N m)
+
   Mat3 diagonal_block(std::size_t local) const;
   void clear_gap();
   Vec3 gap(std::size_t local) const;

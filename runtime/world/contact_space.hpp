@@ -22,6 +22,7 @@ class BodyContacts {
   /// Of the problem, those that move this body.
   std::span<const std::uint32_t> contacts() const { return contacts_; }
   DelassusBlock& block() { return block_; }
+  const DelassusBlock& block() const { return block_; }
 
   /// Whether the compliance blocks that these nodes and the correction need are in memory; asks for
   /// them if not.

@@ -48,7 +48,7 @@ Eigen::AlignedBox3d World::State::body_bounds(std::uint32_t index) const {
 double World::State::alarm_distance(std::uint32_t a, std::uint32_t b) const {
   if (settings.alarm_distance_m > 0) return settings.alarm_distance_m;
   const double h = settings.time_step_s;
-  return margin_of_touch(a, b) + gravity.norm() * h * h +
+  return margin_of_touch(a, b) + look_ahead(a, b) + gravity.norm() * h * h +
          std::min(h * relative_speed(a, b), fastest_part * smaller_size({a, 0, b, 0}));
 }
 
@@ -64,6 +64,15 @@ double World::State::smaller_size(const ContactKey& key) const {
 // What counts as near.
 double World::State::margin_of_touch(std::uint32_t a, std::uint32_t b) const {
   return alarm_share * smaller_size({a, 0, b, 0});
+}
+
+// What a hand that holds one of them may close before the next step, m.
+double World::State::look_ahead(std::uint32_t a, std::uint32_t b) const {
+  double distance = 0;
+  for (const std::uint32_t k : {a, b})
+    if (k < bodies.size() && !is_soft(k) && rigid(k).held)
+      distance = std::max(distance, rigid(k).held->coupling.look_ahead_m);
+  return distance;
 }
 
 // Whether the two can touch and forces would move at least one of them; `a` == `b`: itself.
@@ -85,7 +94,7 @@ double World::State::reach(std::uint32_t index, const Eigen::AlignedBox3d& movab
   if (settings.alarm_distance_m > 0) return settings.alarm_distance_m;
   const double h = settings.time_step_s;
   const BodyMotion motion = body_motion(index, movable);
-  return alarm_share * body_size(index) + gravity.norm() * h * h +
+  return alarm_share * body_size(index) + look_ahead(index, index) + gravity.norm() * h * h +
          h * (motion.velocity.norm() + motion.deviation);
 }
 

@@ -20,6 +20,11 @@ Eigen::Quaterniond rotation_by(const Vec3& vector) {
   return Eigen::Quaterniond(Eigen::AngleAxisd(angle, vector / angle));
 }
 
+Vec3 rotation_vector(const Mat3& rotation) {
+  const Eigen::AngleAxisd turn(rotation);
+  return turn.angle() * turn.axis();
+}
+
 Status refuse(const std::string& what, const std::string& where) {
   return make_issue(IssueCode::world_parameter_invalid, what, where);
 }
@@ -56,6 +61,14 @@ Result<FreeRigidState> make_free_state(const RigidBodyDescription& d) {
   return state;
 }
 
+FreeRigidState make_held_state(const HandleCoupling& coupling, const RigidPlacement& at) {
+  FreeRigidState state;
+  state.body_frame.translation = as_vec3(coupling.centre_m);
+  state.orientation = Eigen::Quaterniond(at.rotation);
+  state.position = at.rotation * state.body_frame.translation + at.translation;
+  return state;
+}
+
 }  // namespace
 
 RigidPlacement FreeRigidState::shape_placement() const {
@@ -81,6 +94,11 @@ Result<RigidBody> RigidBody::create(const RigidBodyDescription& d, double time_s
     auto state = make_free_state(d);
     if (!state) return state.issue();
     body.free = *state;
+  }
+  if (d.handle) {
+    const RigidPlacement at = placement(d.path.front().pose);
+    body.held = HeldState{*d.handle, at, at};
+    body.free = make_held_state(*d.handle, at);
   }
   if (d.shape.mesh) body.placed = std::make_unique<PlacedMesh>(*d.shape.mesh);
   body.begin_step(time_s, 0);
@@ -132,6 +150,27 @@ void RigidBody::push(const Vec3& force, const Vec3& arm) {
   free->turn += free->turn_compliance * arm.cross(force);
 }
 
+// K e+ + B (e+ - e) / h = f, e the place of the body less that of the hand, in the same way for
+// rotation vectors: C = (K + B / h)^-1.
+void RigidBody::follow_hand(double h) {
+  FreeRigidState& s = *free;
+  const HandleCoupling& c = held->coupling;
+  const Vec3& centre = s.body_frame.translation;
+  const double line = c.stiffness_n_m + c.damping_n_s_m / h;
+  const double turning = c.turn_stiffness_nm_rad + c.turn_damping_nm_s_rad / h;
+  const Vec3 behind = s.position - (held->now.rotation * centre + held->now.translation);
+  const Vec3 target = held->next.rotation * centre + held->next.translation;
+  s.shift = target + (c.damping_n_s_m / h / line) * behind - s.position;
+  const Mat3 r = s.orientation.toRotationMatrix();
+  const Vec3 turned_behind = rotation_vector(r * held->now.rotation.transpose());
+  const Vec3 kept = (c.turn_damping_nm_s_rad / h / turning) * turned_behind;
+  const Mat3 turned = rotation_by(kept).toRotationMatrix() * held->next.rotation * r.transpose();
+  s.turn = rotation_vector(turned);
+  s.bend = turned - Mat3::Identity() - cross_matrix(s.turn);
+  s.shift_compliance = 1 / line;
+  s.turn_compliance = (1 / turning) * Mat3::Identity();
+}
+
 void RigidBody::take_motion(double h) {
   FreeRigidState& s = *free;
   s.position += s.shift;
@@ -139,6 +178,7 @@ void RigidBody::take_motion(double h) {
   s.velocity = s.shift / h;
   s.spin = s.turn / h;
   end = s.shape_placement();
+  if (held) held->now = held->next;
 }
 
 void RigidBody::stop() {
@@ -151,6 +191,14 @@ Eigen::AlignedBox3d RigidBody::bounds() const {
 }
 
 BodyMotion RigidBody::motion_in(const Eigen::AlignedBox3d& region, double h) const {
+  if (held) {
+    const Vec3& centre = free->body_frame.translation;
+    const Vec3 shift = held->next.rotation * centre + held->next.translation - free->position;
+    const Eigen::Quaterniond turned =
+        Eigen::Quaterniond(held->next.rotation) * free->orientation.conjugate();
+    const double angle = Eigen::AngleAxisd(turned).angle();
+    return {shift / h, angle / h * (std::sqrt(3.0) * size + centre.norm())};
+  }
   // No point is farther from the centre of mass than the diagonal of the box.
   if (free) return {free->velocity, free->spin.norm() * std::sqrt(3.0) * size};
   BodyMotion motion;

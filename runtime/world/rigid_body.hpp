@@ -38,7 +38,16 @@ struct FreeRigidState {
 
   RigidPlacement shape_placement() const;
   Mat3 world_inertia() const;
-  Vec3 motion_of(const Vec3& arm) const { return shift + turn.cross(arm); }  ///< in this step, linear
+  /// Of a held body: what its turn does to an arm beyond the cross product, which a hand's may show.
+  Mat3 bend = Mat3::Zero();
+  /// In this step, linear in the forces.
+  Vec3 motion_of(const Vec3& arm) const { return shift + turn.cross(arm) + bend * arm; }
+};
+
+/// Of a body that a hand holds. It has no mass; in place of it the coupling resists.
+struct HeldState {
+  HandleCoupling coupling;
+  RigidPlacement now, next;  ///< where the hand holds the shape at the start and end of the step
 };
 
 struct RigidBody {
@@ -46,8 +55,9 @@ struct RigidBody {
   RigidShape shape;
   std::vector<Keyframe> path;  ///< of a free body where it starts
   CollisionFilter filter;
-  double size = 0;  ///< longest side of the shape, m; of a plane 0
-  std::optional<FreeRigidState> free;
+  double size = 0;                     ///< longest side of the shape, m; of a plane 0
+  std::optional<FreeRigidState> free;  ///< of a held body too, which has a massless one
+  std::optional<HeldState> held;
   std::unique_ptr<PlacedMesh> placed;  ///< of a mesh: its surface at the start of the step
   RigidPlacement start, end;           ///< of the shape, in this step
 
@@ -63,6 +73,8 @@ struct RigidBody {
   RigidPlacement free_end() const;
   /// Of a free body: motion by inertia, weight and the gyroscopic moment; the compliance of the step.
   void move_freely(double time_step_s, const Vec3& gravity);
+  /// The same of a held body: by the hand, and by what the damper keeps of how far it was from it.
+  void follow_hand(double time_step_s);
   /// A force on a free body in this step, at an arm from its centre of mass: world axes.
   void push(const Vec3& force, const Vec3& arm);
   void take_motion(double time_step_s);

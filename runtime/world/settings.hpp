@@ -131,11 +131,26 @@ struct FreeRigidMotion {
   Point angular_velocity_rad_s{};  ///< in world axes
 };
 
+/// A rigid body without mass that a hand holds: a spring and damper pull it to a handle, about a point of
+/// its shape's frame. Nothing else holds it: free of contact it is where the handle is, once the damper
+/// lets it, and what it touches feels the spring.
+struct HandleCoupling {
+  double stiffness_n_m = 2000;
+  double turn_stiffness_nm_rad = 20;
+  double damping_n_s_m = 0;
+  double turn_damping_nm_s_rad = 0;
+  Point centre_m{};
+  /// Contacts are kept in the problem of a step that are farther open by so much: what the hand may
+  /// close before the next one.
+  double look_ahead_m = 0;
+};
+
 struct RigidBodyDescription {
   std::string name;
   RigidShape shape;
   std::vector<Keyframe> path;           ///< one keyframe: fixed; more: driven, ascending times
   std::optional<FreeRigidMotion> free;  ///< starts at the pose of the one keyframe, which it may leave
+  std::optional<HandleCoupling> handle;  ///< held by a hand, which begins at the one keyframe
   CollisionFilter filter;
 };
 

@@ -61,6 +61,7 @@ bool World::State::wake_touched() {
 
 bool World::State::is_quiet(std::uint32_t index) const {
   const double limit = settings.sleep_speed * body_size(index);
+  if (!is_soft(index) && rigid(index).held) return false;  // what a hand holds has to be felt
   if (is_soft(index)) return soft(index).may_rest() && soft(index).largest_speed() < limit;
   const BodyMotion motion = rigid(index).motion_in(body_bounds(index), settings.time_step_s);
   return motion.velocity.norm() + motion.deviation < limit;

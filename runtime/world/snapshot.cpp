@@ -134,6 +134,11 @@ bool walk(Stream& s, RigidPlacement& at) {
 }
 
 template <class Stream>
+bool walk(Stream& s, HeldState& body) {
+  return walk(s, body.now) && walk(s, body.next);
+}
+
+template <class Stream>
 bool walk(Stream& s, SoftBody& body) {
   bool has_history = body.history.valid;
   StepSolver::Memory solver = body.solver->memory();
@@ -161,7 +166,9 @@ bool World::State::walk_state(Stream& s) {
   for (const auto index : soft_indices)
     if (!same(s, index) || !walk(s, soft(index))) return false;
   for (const auto index : rigid_indices)
-    if (!same(s, index) || (rigid(index).free && !walk(s, *rigid(index).free))) return false;
+    if (!same(s, index) || (rigid(index).free && !walk(s, *rigid(index).free)) ||
+        (rigid(index).held && !walk(s, *rigid(index).held)))
+      return false;
   for (BodyRest& r : rest)
     if (!s.doubles(&r.quiet_s, 1) || !s.state(&r.is_asleep, sizeof r.is_asleep) ||
         !s.state(&r.group, sizeof r.group))

@@ -190,6 +190,7 @@ Status World::set_rigid_state(BodyId rigid_body, const Pose& pose, const Point& 
   state.position = at.rotation * state.body_frame.translation + at.translation;
   state.velocity = as_vec3(velocity_m_s);
   state.spin = as_vec3(angular_velocity_rad_s);
+  if (body.held) body.held->now = body.held->next = at;
   s.wake_group(rigid_body.index);
   s.last_energy_j = std::numeric_limits<double>::quiet_NaN();
   return {};
@@ -264,7 +265,8 @@ Status World::copy_state(const World& other) {
   for (std::size_t k = 0; same && k < to.soft_indices.size(); ++k)
     same = to.soft(to.soft_indices[k]).x.size() == from.soft(from.soft_indices[k]).x.size();
   for (std::size_t k = 0; same && k < to.rigid_indices.size(); ++k)
-    same = bool(to.rigid(to.rigid_indices[k]).free) == bool(from.rigid(to.rigid_indices[k]).free);
+    same = bool(to.rigid(to.rigid_indices[k]).free) == bool(from.rigid(to.rigid_indices[k]).free) &&
+           bool(to.rigid(to.rigid_indices[k]).held) == bool(from.rigid(to.rigid_indices[k]).held);
   if (!same)
     return make_issue(IssueCode::world_parameter_invalid, "the worlds do not hold the same bodies");
   for (const auto index : to.soft_indices) {
@@ -276,8 +278,12 @@ Status World::copy_state(const World& other) {
     to.soft(index).take_history(from.soft(index), to.settings.time_step_s == from.settings.time_step_s);
   }
   to.last_energy_j = std::numeric_limits<double>::quiet_NaN();
-  for (const auto index : to.rigid_indices)
+  for (const auto index : to.rigid_indices) {
     if (to.rigid(index).free) to.rigid(index).free = from.rigid(index).free;
+    if (!to.rigid(index).held) continue;
+    to.rigid(index).held->now = from.rigid(index).held->now;
+    to.rigid(index).held->next = from.rigid(index).held->next;
+  }
   to.memory = from.memory;
   to.rest = from.rest;
   to.time = from.time;

@@ -21,6 +21,7 @@ namespace souple {
 
 class SoftBodyAsset;
 struct StepContactProblem;
+struct ToolProblem;
 
 /// One contact after a step, in world coordinates. The force acts on body A; -force on body B.
 struct ContactRecord {
@@ -78,6 +79,14 @@ class World {
   Status move_grab(GrabId grab, const Pose& pose);
   Status release(GrabId grab);
 
+  /// Where the hand that holds a body (HandleCoupling) is at the end of the next step. Allocates
+  /// nothing. Issue world_parameter_invalid: no such body, a pose that is none; nothing has moved then.
+  Status move_handle(BodyId held_body, const Pose& pose);
+  /// Of the last step: the contacts of all that the held bodies of a tool touch, directly or through
+  /// others, as many as `problem` has room for. Allocates nothing. Issue world_parameter_invalid: not
+  /// held bodies of this world, or too many.
+  Status tool_problem(std::span<const BodyId> tool, ToolProblem& problem) const;
+
   /// A ray from `origin` along `direction`, at most `reach_m` long, of any length. Nothing hit, or a
   /// direction that is none: nothing.
   std::optional<PickHit> pick(const Point& origin, const Point& direction, double reach_m) const;
@@ -109,7 +118,8 @@ class World {
   /// Of a rigid body's centre of mass; of a driven or fixed one zero.
   Point rigid_velocity(BodyId rigid_body) const;          ///< m/s
   Point rigid_angular_velocity(BodyId rigid_body) const;  ///< rad/s, world axes
-  /// Replaces the state of a free rigid body. Issue world_parameter_invalid.
+  /// Replaces the state of a free rigid body, or puts a held one and its hand there, past all that lies
+  /// between. Issue world_parameter_invalid.
   Status set_rigid_state(BodyId rigid_body, const Pose& pose, const Point& velocity_m_s,
                          const Point& angular_velocity_rad_s);
   /// Replaces the state of a soft body. Issue world_parameter_invalid (sizes, finiteness).

@@ -23,6 +23,7 @@
 #include "runtime/world/pins.hpp"
 #include "runtime/world/solver_share.hpp"
 #include "runtime/world/step_report.hpp"
+#include "runtime/world/tool_problem.hpp"
 #include "runtime/world/world.hpp"
 
 namespace souple {
@@ -58,6 +59,14 @@ struct IslandWork {
   std::vector<double> force;
   std::vector<ConstraintLaw> laws;
   ContactSolveReport report;
+};
+
+/// Of tool_problem.
+struct ToolScratch {
+  std::vector<std::uint32_t> contacts;  ///< those of the problem, in its order
+  std::vector<std::int32_t> place;      ///< of every contact of the step in it; -1: none
+  std::vector<std::int32_t> local;      ///< places of the contacts of a body
+  std::vector<float> motion, influence;  ///< of a rigid body: 6 rows of J^T, and of C J^T
 };
 
 /// Whether a body rests.
@@ -106,6 +115,7 @@ struct World::State {
   std::vector<double> free_gap, force, gap, applied, included, change, shift;
   std::vector<double> scratch_rows;
   std::vector<std::uint32_t> order;  ///< scratch
+  ToolScratch tool_scratch;
   ContactMemories memory, earlier;   ///< of the last step; scratch
   ContactEvents events;
   std::size_t uncovered = 0;  ///< contacts of this step outside the region of a compliance
@@ -178,6 +188,7 @@ struct World::State {
   double alarm_distance(std::uint32_t a, std::uint32_t b) const;
   double smaller_size(const ContactKey& key) const;
   double margin_of_touch(std::uint32_t a, std::uint32_t b) const;
+  double look_ahead(std::uint32_t a, std::uint32_t b) const;
   bool may_touch(std::uint32_t a, std::uint32_t b) const;
   Eigen::AlignedBox3d movable_region() const;
   double reach(std::uint32_t index, const Eigen::AlignedBox3d& movable) const;
@@ -250,6 +261,15 @@ struct World::State {
   /// Over all that the next step depends on, in one order; see snapshot.cpp.
   template <class Stream>
   bool walk_state(Stream& stream);
+
+  // What a hand may feel between steps (tool_problem.cpp).
+  bool is_held(BodyId body) const;
+  std::size_t collect_tool_contacts(std::span<const BodyId> tool, std::size_t capacity);
+  void fill_delassus(ToolProblem& problem);
+  void add_soft_delassus(std::uint32_t index, PaddedColumns& delassus);
+  void add_rigid_delassus(std::uint32_t index, PaddedColumns& delassus);
+  void describe_tool_contact(std::size_t contact, std::span<const BodyId> tool, ToolContact& to) const;
+  void fill_gaps(ToolProblem& problem) const;
 
   // What a step is judged by (measure_step.cpp).
   void measure_body(std::uint32_t index);

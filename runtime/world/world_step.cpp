@@ -57,8 +57,12 @@ void World::State::give_up() {
 }
 
 void World::State::move_rigid_bodies() {
-  for_each_free_rigid(
-      [&](std::uint32_t index) { rigid(index).move_freely(settings.time_step_s, gravity); });
+  for_each_free_rigid([&](std::uint32_t index) {
+    if (rigid(index).held)
+      rigid(index).follow_hand(settings.time_step_s);
+    else
+      rigid(index).move_freely(settings.time_step_s, gravity);
+  });
   push_rigid_bodies(applied);
 }
 

@@ -47,14 +47,16 @@ int main(int argc, char** argv) {
   JobPool pool(2);
   built.world.run_jobs_with(pool.runner());
   PhaseRows pile;
-  Laws laws;
+  Laws laws, laws_of_pile;
   double most_contacts = 0;
   StepReport last;
   for (int k = 0; k < steps; ++k) {
     last = step_or_exit(scene, built);
     laws.add(last, built);
     most_contacts = std::max(most_contacts, double(last.contact_count));
-    if (k >= std::min(pile_steps, steps / 2)) pile.add(last);
+    if (k < std::min(pile_steps, steps / 2)) continue;
+    pile.add(last);
+    laws_of_pile.add(last, built);
   }
   const SoftBodyAsset& dino = built.world.asset(built.bodies.back());
   const double edge = mean_edge_m(dino);
@@ -65,6 +67,7 @@ int main(int argc, char** argv) {
   pile.print("dino_rain", hash);
   print_row("dino_rain.most_contacts", "1", most_contacts, hash);
   print_row("dino_rain.penetration", "edge", laws.penetration / edge, hash);
+  print_row("dino_rain.penetration_pile", "edge", laws_of_pile.penetration / edge, hash);
   print_row("dino_rain.surface_depth", "edge", laws.surface_depth / edge, hash);
   print_row("dino_rain.below_floor", "edge", std::max(0.0, -laws.lowest / edge), hash);
   print_row("dino_rain.not_finite", "1", laws.not_finite, hash);

@@ -66,7 +66,7 @@ void write_axes(std::ofstream& out, const Plot& plot, const Axis& x, const Axis&
         << text(x.at(value), bottom + 18, number(x.logarithmic ? "%.0e" : "%.4g", value), "middle");
   for (const double value : ticks(y))
     out << line(left, y.at(value), right, y.at(value))
-        << text(left - 6, y.at(value) + 4, number("%.0e", value), "end");
+        << text(left - 6, y.at(value) + 4, number(y.logarithmic ? "%.0e" : "%.4g", value), "end");
   out << text((left + right) / 2, bottom + 36, plot.x_label, "middle")
       << text(left, top - 8, plot.y_label, "start")
       << text((left + right) / 2, 18, plot.title, "middle");
@@ -94,7 +94,7 @@ void write_series(std::ofstream& out, const PlotSeries& series, const Axis& x, c
 
 void write_plot(const Plot& plot, const std::filesystem::path& file) {
   Axis x{.logarithmic = plot.x_logarithmic, .from = left, .to = right};
-  Axis y{.logarithmic = true, .from = bottom, .to = top};
+  Axis y{.logarithmic = plot.y_logarithmic, .from = bottom, .to = top};
   for (const PlotSeries& series : plot.series)
     for (const auto& [px, py] : series.points)
       if (x.shows(px) && y.shows(py)) x.cover(px), y.cover(py);

@@ -16,8 +16,9 @@ struct PlotSeries {
 
 struct Plot {
   std::string title, x_label, y_label;
-  bool x_logarithmic = false;  ///< the ordinate always is
+  bool x_logarithmic = false;
   std::vector<PlotSeries> series;
+  bool y_logarithmic = true;
 };
 
 /// As SVG; points that are not above zero on a logarithmic axis are left out.

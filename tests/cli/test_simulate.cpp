@@ -51,6 +51,23 @@ TEST_F(Simulate, WritesFramesAndAReportAsItsSchemaSays) {
   EXPECT_EQ(collection.find("000005"), std::string::npos);
 }
 
+TEST_F(Simulate, AProbeThatAHandHoldsIsInTheReport) {
+  const std::string probe =
+      "[[probe]]\nname = \"stylus\"\nbody = \"ball\"\ndevice = \"hand\"\ngrip = 0.8\n"
+      "passivity = \"each_freedom\"\nkeyframes = [{ time_s = 0, position = [-0.03, 0.08, 0.05] }]\n";
+  const std::string scene = drop_scene() + probe;
+  const auto result = simulate(scene, {"--steps", "30", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto json = result.json();
+  EXPECT_EQ(schema_violation(json, load_schema("simulate")), "");
+  ASSERT_EQ(json["probes"].size(), 1u);
+  EXPECT_EQ(json["probes"][0]["telemetry"]["ticks"], 301);
+  EXPECT_EQ(json["probes"][0]["telemetry"]["publications"], 30);
+  EXPECT_EQ(json["state_hash"], simulate(scene, {"--steps", "30", "--json"}).json()["state_hash"]);
+  EXPECT_NE(simulate(scene, {"--steps", "2"}).out.find("probe stylus: 21 ticks"), std::string::npos);
+  expect_issue(simulate(scene + "grib = 1\n", {"--steps", "1"}), 1, "S1011");
+}
+
 TEST_F(Simulate, LoadsOnlyTheComplianceTheSceneNeeds) {
   const auto json = simulate(drop_scene(), {"--steps", "1", "--json"}).json();
   ASSERT_TRUE(json.is_object());

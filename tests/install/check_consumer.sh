@@ -11,18 +11,10 @@ check_link_line=$3
 compiler=$4
 flags=$5
 shift 5
+source "$(dirname "$0")/step.sh"
 
 work=$(mktemp -d "${TMPDIR:-/tmp}/souple consumer.XXXXXX")
 trap 'rm -rf "$work"' EXIT
-
-step() {
-  echo "== $1"
-  shift
-  if ! "$@" >"$work/log" 2>&1; then
-    cat "$work/log"
-    exit 1
-  fi
-}
 
 asset="$work/small asset.souple"
 step "make a small asset" "$@" "$asset"

@@ -104,21 +104,21 @@ Eigen::MatrixXd dense_compliance(const TetMesh& mesh, const Material& material, 
   return c;
 }
 
-SoftBodyContent make_content(TetMesh mesh, const Material& material, double time_step_s,
-                             std::vector<FixedSet> fixed_sets, const std::string& fixed_set) {
-  SoftBodyContent content;
-  content.level = level_of(std::move(mesh));
-  content.material = material;
+Asset make_asset(TetMesh mesh, const Material& material, double time_step_s,
+                 std::vector<FixedSet> fixed_sets, const std::string& fixed_set) {
+  Asset asset;
+  asset.levels.push_back(level_of(std::move(mesh)));
+  asset.material = material;
   std::vector<Index> fixed;
   for (const auto& set : fixed_sets)
     if (set.name == fixed_set) fixed = set.nodes;
-  content.fixed_sets = std::move(fixed_sets);
+  asset.fixed_sets = std::move(fixed_sets);
   const double mass_factor =
       1 / (time_step_s * time_step_s) + material.rayleigh_mass_per_s / time_step_s;
   const double stiffness_factor = 1 + material.rayleigh_stiffness_s / time_step_s;
   const auto full =
-      dense_compliance(content.level.mesh, material, mass_factor, stiffness_factor, fixed);
-  std::vector<Index> nodes = used_nodes(content.level.boundary);
+      dense_compliance(asset.levels[0].mesh, material, mass_factor, stiffness_factor, fixed);
+  std::vector<Index> nodes = used_nodes(asset.levels[0].boundary);
   std::erase_if(nodes,
                 [&](Index n) { return std::find(fixed.begin(), fixed.end(), n) != fixed.end(); });
   ComplianceVariant variant = to_variant(full, nodes);
@@ -127,6 +127,18 @@ SoftBodyContent make_content(TetMesh mesh, const Material& material, double time
   variant.header.fixed_set = fixed_set;
   variant.header.mass_factor = mass_factor;
   variant.header.stiffness_factor = stiffness_factor;
+  asset.compliances.push_back(std::move(variant));
+  return asset;
+}
+
+SoftBodyContent make_content(TetMesh mesh, const Material& material, double time_step_s,
+                             std::vector<FixedSet> fixed_sets, const std::string& fixed_set) {
+  Asset asset = make_asset(std::move(mesh), material, time_step_s, std::move(fixed_sets), fixed_set);
+  SoftBodyContent content;
+  content.level = std::move(asset.levels[0]);
+  content.material = std::move(asset.material);
+  content.fixed_sets = std::move(asset.fixed_sets);
+  ComplianceVariant& variant = asset.compliances[0];
   const std::size_t block_bytes = std::size_t(variant.header.block_scalars) * sizeof(double);
   content.compliances.push_back(
       {variant.header, variant.nodes,

@@ -25,6 +25,10 @@ std::shared_ptr<const SoftBodyAsset> make_body(TetMesh mesh, const Material& mat
                                                std::vector<FixedSet> fixed_sets = {},
                                                const std::string& fixed_set = {});
 
+/// The same body as an asset that can be written to a file.
+Asset make_asset(TetMesh mesh, const Material& material, double time_step_s,
+                 std::vector<FixedSet> fixed_sets = {}, const std::string& fixed_set = {});
+
 /// The asset content of the same body.
 SoftBodyContent make_content(TetMesh mesh, const Material& material, double time_step_s,
                              std::vector<FixedSet> fixed_sets = {}, const std::string& fixed_set = {});

@@ -6,6 +6,7 @@
 #include "tools/cli/json_output.hpp"
 #include "tools/cli/signals.hpp"
 #include "tools/commands/contact_dump.hpp"
+#include "tools/commands/probe_json.hpp"
 #include "tools/commands/simulation_json.hpp"
 #include "tools/exchange/atomic_file.hpp"
 #include "tools/exchange/numbers.hpp"
@@ -58,6 +59,7 @@ std::string summary_text(const SimulationReport& r) {
           ", contact residual " + rounded_text(r.contact_residual.value, 3) + "\n";
   text += "last step: kinetic energy " + rounded_text(r.last.kinetic_energy_j, 3) +
           " J, elastic energy " + rounded_text(r.last.elastic_energy_j, 3) + " J\n";
+  for (const ProbeReport& probe : r.probes) text += probe_line(probe);
   return text + "state " + r.state_hash + "\n";
 }
 

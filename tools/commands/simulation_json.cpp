@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/commands/simulation_json.hpp"
 
+#include "tools/commands/probe_json.hpp"
+
 namespace souple {
 namespace {
 
@@ -122,6 +124,7 @@ Json samples_json(const SimulationReport& r) {
 Json simulation_json(const Scene& scene, const SceneWorld& built, const SimulationReport& r,
                      const std::string& scene_file) {
   Json document = schema_header("simulate");
+  document["schema_version"] = 2;  // 2: probes
   document["scene"] = std::filesystem::path(scene_file).filename().string();
   document["outcome"] = r.failure ? "failed" : r.interrupted ? "interrupted" : "done";
   document["issue"] = r.failure ? issue_json(*r.failure) : Json(nullptr);
@@ -140,6 +143,7 @@ Json simulation_json(const Scene& scene, const SceneWorld& built, const Simulati
                           {"soft_mass_kg", r.soft_mass_kg}};
   document["laws"] = laws_json(r);
   document["last_step"] = step_json(r.last, r.last_events);
+  document["probes"] = probes_json(r.probes);
   document["sample_stride"] = r.sample_stride;
   document["samples"] = samples_json(r);
   document["state_hash"] = r.state_hash;

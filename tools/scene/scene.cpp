@@ -113,6 +113,7 @@ Result<Scene> parse_scene_table(TomlTable& root) {
   else
     for (TomlTable& entry : bodies) scene.bodies.push_back(parse_body(entry, scene.bodies.size() + 1));
   parse_constraints(root, scene);
+  parse_probes(root, scene);
   if (root.status()) check_names(root, scene);
   if (auto status = root.finish(); !status) return status.issue();
   return scene;
@@ -138,6 +139,9 @@ Result<Scene> read_scene(const std::filesystem::path& file) {
     if (rigid != nullptr && rigid->mesh && rigid->mesh->file.is_relative())
       rigid->mesh->file = file.parent_path() / rigid->mesh->file;
   }
+  for (SceneProbe& probe : scene->probes)
+    if (!probe.path_file.empty() && probe.path_file.is_relative())
+      probe.path_file = file.parent_path() / probe.path_file;
   return scene;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "formats/core/result.hpp"
+#include "runtime/haptics/haptic_settings.hpp"
 #include "runtime/world/constraints.hpp"
 #include "runtime/world/loads.hpp"
 #include "runtime/world/settings.hpp"
@@ -83,12 +84,42 @@ struct SceneGrab {
   double release_s = std::numeric_limits<double>::infinity();
 };
 
+enum class ProbeDevice : std::uint8_t {
+  path,  ///< plays where a hand was, and feels nothing
+  hand,  ///< a simulated hand that wants to go there, and gives way
+  udp,   ///< another program of this machine
+};
+
+enum class ProbePassivity : std::uint8_t { off, each_freedom, total_power };
+
+/// A tool that a hand holds: one rigid body of the scene, or two that open about a hinge.
+struct SceneProbe {
+  std::string name;
+  std::vector<std::string> jaws;  ///< rigid bodies, which stand as they do at the start
+  Pose pose;                      ///< of the handle, at the start
+  Point hinge_m{};                ///< of two jaws: in the world, at the start
+  Point axis{0, 1, 0};            ///< the first jaw turns about it by half the opening, the second back
+  double opening_rad = 0;         ///< at the start
+  HandleCoupling coupling;
+  HapticSettings haptics;
+  ProbePassivity passivity = ProbePassivity::off;
+
+  ProbeDevice device = ProbeDevice::path;
+  std::filesystem::path path_file;  ///< of path and hand; empty: the keyframes
+  std::vector<DeviceSample> path;
+  double grip = 0.5;  ///< of the hand: 0 limp, 1 stiff
+  double resolution_m = 0, turn_resolution_rad = 0, opening_resolution_rad = 0;
+  std::size_t delay_ticks = 0;
+  std::uint16_t port = 0;  ///< of udp
+};
+
 struct Scene {
   WorldSettings world;
   std::vector<SceneBody> bodies;  ///< with names that are unique and fit for file names
   std::vector<ScenePair> pairs;
   std::vector<SceneJoint> joints;
   std::vector<SceneGrab> grabs;
+  std::vector<SceneProbe> probes;
   SceneOutput output;
 };
 
@@ -102,5 +133,7 @@ const std::string& scene_body_name(const SceneBody& body);
 std::string_view contact_method_name(ContactMethod method);
 std::string_view rotation_method_name(RotationMethod method);
 std::string_view integrator_name(Integrator integrator);
+std::string_view probe_device_name(ProbeDevice device);
+std::string_view probe_passivity_name(ProbePassivity passivity);
 
 }  // namespace souple

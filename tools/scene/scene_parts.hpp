@@ -17,6 +17,8 @@ std::vector<Keyframe> parse_path(TomlTable& entry);
 SceneBody parse_body(TomlTable& entry, std::size_t number);
 /// `[[pair]]`, `[[joint]]` and `[[grab]]`; the bodies of the scene are known.
 void parse_constraints(TomlTable& root, Scene& scene);
+/// `[[probe]]`; the bodies of the scene are known.
+void parse_probes(TomlTable& root, Scene& scene);
 
 /// Of the keyframe, after `last` of the one before.
 double parse_time(TomlTable& frame, double last);

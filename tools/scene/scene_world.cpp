@@ -211,7 +211,9 @@ Issue in_file(Issue issue, const std::filesystem::path& file) {
   return issue;
 }
 
-Result<BodyId> add_rigid_body(const SceneRigidBody& body, RigidMeshes& meshes, SceneWorld& built) {
+/// One that a probe holds joins the world with its tool.
+Result<BodyId> add_rigid_body(const SceneRigidBody& body, bool held, RigidMeshes& meshes,
+                              SceneWorld& built) {
   RigidBodyDescription description = body.description;
   if (body.mesh) {
     auto mesh = meshes.get(*body.mesh);
@@ -219,7 +221,25 @@ Result<BodyId> add_rigid_body(const SceneRigidBody& body, RigidMeshes& meshes, S
     description.shape.mesh = std::move(*mesh);
   }
   built.shapes.back() = description.shape;
+  if (held) return BodyId{};
   return built.world.add_rigid_body(description);
+}
+
+Status add_tools(const Scene& scene, SceneWorld& built) {
+  for (const SceneProbe& probe : scene.probes) {
+    std::vector<std::size_t> places;
+    std::vector<RigidShape> shapes;
+    for (const std::string& jaw : probe.jaws) {
+      const auto body = std::ranges::find(scene.bodies, jaw, scene_body_name);
+      places.push_back(std::size_t(body - scene.bodies.begin()));
+      shapes.push_back(built.shapes[places.back()]);
+    }
+    auto tool = add_tool(built.world, scene, probe, shapes);
+    if (!tool) return tool.issue();
+    for (std::size_t k = 0; k < places.size(); ++k) built.bodies[places[k]] = tool->tool.bodies()[k];
+    built.tools.push_back(std::move(*tool));
+  }
+  return {};
 }
 
 }  // namespace
@@ -245,12 +265,14 @@ Result<SceneWorld> build_world(const Scene& scene, const MeshLoader& load_mesh) 
     built.shapes.emplace_back();
     auto id = soft != nullptr
                   ? built.world.add_soft_body(assets[soft->asset.lexically_normal()], soft->description)
-                  : add_rigid_body(std::get<SceneRigidBody>(body), meshes, built);
+                  : add_rigid_body(std::get<SceneRigidBody>(body),
+                                   is_held(scene, scene_body_name(body)), meshes, built);
     if (!id) return id.issue();
     built.bodies.push_back(*id);
     if (soft != nullptr)
       if (auto status = add_loads(built.world, *id, *soft); !status) return status.issue();
   }
+  if (auto status = add_tools(scene, built); !status) return status.issue();
   if (auto status = add_constraints(scene, built); !status) return status.issue();
   return built;
 }

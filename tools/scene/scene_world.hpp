@@ -10,6 +10,7 @@
 #include "formats/core/result.hpp"
 #include "runtime/world/world.hpp"
 #include "tools/scene/scene.hpp"
+#include "tools/scene/scene_tools.hpp"
 
 namespace souple {
 
@@ -28,6 +29,7 @@ struct SceneWorld {
   std::vector<AssetUse> assets;
   std::vector<RigidShape> shapes{};            ///< of the bodies; of a soft one nothing
   std::vector<std::optional<GrabId>> grabs{};  ///< in the order of the scene; nothing: released
+  std::vector<SceneTool> tools{};              ///< of the probes
 };
 
 /// Reads the surface of a rigid body, in metres: which files can be read is the application's to know.
@@ -35,7 +37,8 @@ using MeshLoader = std::function<Result<TriangleMesh>(const RigidMeshFile&)>;
 
 /// Loads every asset once, and of it only the compliances that the scene's time step and fixed sets
 /// need. Issues: those of load_soft_body and World; fixed_set_invalid; scene_no_matching_compliance
-/// (names what the asset has); those of `load_mesh`, unsupported_feature without one.
+/// (names what the asset has); those of `load_mesh`, unsupported_feature without one; those of
+/// add_tool.
 Result<SceneWorld> build_world(const Scene& scene, const MeshLoader& load_mesh = {});
 
 /// Tells the grabs of the scene where to be at the end of the next step, and releases those whose time

@@ -158,15 +158,28 @@ class Collector {
 };
 
 Status step_once(const Scene& scene, SceneWorld& built, const SimulationOptions& options,
-                 FrameWriter& frames, Collector& collector) {
+                 FrameWriter& frames, Collector& collector, std::vector<ProbeRun>& probes) {
   if (auto status = drive_grabs(scene, built); !status) return status;
+  for (ProbeRun& probe : probes)
+    if (auto status = probe.begin_step(built.world); !status) return status;
   const auto step = built.world.step();
   if (!step) return step.issue();
+  for (ProbeRun& probe : probes)
+    if (auto status = probe.end_step(built.world); !status) return status;
   collector.add(*step, built.world);
   if (options.after_step)
     if (auto status = options.after_step(collector.report.steps_done); !status) return status;
   if (collector.report.steps_done % scene.output.frames_every != 0) return {};
   return frames.write_frame();
+}
+
+Status make_probes(const Scene& scene, const SceneWorld& built, std::vector<ProbeRun>& probes) {
+  for (std::size_t k = 0; k < scene.probes.size(); ++k) {
+    auto probe = ProbeRun::create(scene.probes[k], built.tools[k]);
+    if (!probe) return probe.issue();
+    probes.push_back(std::move(*probe));
+  }
+  return {};
 }
 
 }  // namespace
@@ -184,12 +197,14 @@ SimulationReport run_simulation(const Scene& scene, SceneWorld& built,
   FrameWriter frames(scene, built, options.folder);
   Status status = frames.prepare();
   if (status) status = frames.write_frame();
+  std::vector<ProbeRun> probes;
+  if (status) status = make_probes(scene, built, probes);
   while (status && report.steps_done < options.step_count) {
     if (options.interrupted && options.interrupted()) {
       report.interrupted = true;
       break;
     }
-    status = step_once(scene, built, options, frames, collector);
+    status = step_once(scene, built, options, frames, collector, probes);
     if (options.progress) options.progress(report.steps_done);
   }
   const Status listed = frames.finish();
@@ -198,6 +213,7 @@ SimulationReport run_simulation(const Scene& scene, SceneWorld& built,
   else if (!listed)
     report.failure = listed.issue();
   report.frame_count = frames.frame_count();
+  for (const ProbeRun& probe : probes) report.probes.push_back(probe.report());
   collector.finish(built);
   return report;
 }

@@ -10,6 +10,7 @@
 
 #include "formats/core/result.hpp"
 #include "runtime/world/step_report.hpp"
+#include "tools/scene/probe_run.hpp"
 #include "tools/scene/scene.hpp"
 #include "tools/scene/scene_world.hpp"
 
@@ -72,6 +73,7 @@ struct SimulationReport {
   std::vector<SimulationSample> samples;  ///< at most about 2000
   Point contact_force_n{};                ///< sum over soft bodies of the last step's contact forces, N
   double soft_mass_kg = 0;
+  std::vector<ProbeReport> probes;  ///< in the order of the scene
   std::string state_hash;  ///< XXH3 (128 bits) over all positions, velocities and poses
 };
 
