@@ -56,6 +56,7 @@ souple_haptic_settings default_haptics() {
   made.credible_turn_rad_s = s.credible_turn_rad_s;
   made.recover_after_s = s.recover_after_s;
   made.reach_m = s.reach_m;
+  made.lead_s = s.lead_s;
   made.device_rate_hz = s.limits.rate_hz;
   made.device_force_n = s.limits.force_n;
   made.device_torque_nm = s.limits.torque_nm;
@@ -140,6 +141,7 @@ Result<HapticSettings> to_haptics(const souple_haptic_settings* given) {
   made.credible_turn_rad_s = read->credible_turn_rad_s;
   made.recover_after_s = read->recover_after_s;
   made.reach_m = read->reach_m;
+  made.lead_s = read->lead_s;
   made.limits = {read->device_rate_hz,         read->device_force_n,
                  read->device_torque_nm,       read->device_opening_nm,
                  read->device_force_slew_n_s,  read->device_torque_slew_nm_s,

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "runtime/haptics/pose_lead.hpp"
 #include "runtime/haptics/sample_guard.hpp"
 #include "runtime/haptics/tick_counters.hpp"
 #include "runtime/haptics/tool_solver.hpp"
@@ -31,6 +32,7 @@ Status check(const HapticSettings& s) {
     return refuse("a time is outside [0, 3600] s", "hand_over_s");
   if (!(s.hand_over_share >= 0 && s.hand_over_share <= 1))
     return refuse("a share is outside [0, 1]", "hand_over_share");
+  if (!(s.lead_s >= 0 && s.lead_s <= 0.02)) return refuse("a lead is outside [0, 0.02] s", "lead_s");
   if (!(s.credible_speed_m_s > 0) || !(s.credible_turn_rad_s > 0) || !(s.reach_m > 0))
     return refuse("a speed or the reach is not above zero", "haptics");
   const DeviceLimits& d = s.limits;
@@ -56,7 +58,12 @@ struct BelievedSample {
 
 struct HapticChannel::State {
   State(Tool t, const HapticSettings& s)
-      : tool(std::move(t)), settings(s), guard(s), shaper(s), tick_s(1 / s.limits.rate_hz) {
+      : tool(std::move(t)),
+        settings(s),
+        guard(s),
+        lead(s.lead_s),
+        shaper(s),
+        tick_s(1 / s.limits.rate_hz) {
     problems.for_each_slot([&](PreparedProblem& slot) { slot.reserve(s.contact_capacity); });
     solver.reserve(s.contact_capacity);
   }
@@ -75,6 +82,7 @@ struct HapticChannel::State {
 
   // Of the haptic thread.
   SampleGuard guard;
+  PoseLead lead;
   ToolSolver solver;
   WrenchShaper shaper;
   double tick_s;
@@ -84,6 +92,7 @@ struct HapticChannel::State {
   double period_s = 0;   ///< between the last two
   Wrench lawful, sent;
   double last_residual = 0;
+  ToolSolver::Clock::duration closing{};  ///< what a tick takes after its solve, of late
 
   double take_sample(const DeviceSample* sample);
   void count(SampleGuard::Verdict verdict);
@@ -162,12 +171,16 @@ double HapticChannel::State::take_sample(const DeviceSample* sample) {
   const Verdict verdict = sample ? guard.look_at(*sample) : Verdict::good;
   if (!sample) counters.missing_samples.add(1);
   count(verdict);
-  if (verdict == Verdict::recovered) shaper.begin_anew(settings.fade_s);
+  if (verdict == Verdict::recovered) {
+    shaper.begin_anew(settings.fade_s);
+    lead.restart();
+  }
   const bool believed = sample && (verdict == Verdict::good || verdict == Verdict::recovered);
   if (!believed) {
     held_s += tick_s;
     return tick_s;
   }
+  lead.add(guard.sample());
   samples.back() = {guard.sample(), counters.recoveries.get()};
   samples.publish();
   const double passed = had_sample && verdict == Verdict::good
@@ -239,6 +252,7 @@ Wrench HapticChannel::State::tick(const DeviceSample* sample) {
   const auto budget =
       std::chrono::nanoseconds(bounded ? std::int64_t(settings.tick_budget_s * 1e9) : 0);
   const auto deadline = bounded ? start + budget : ToolSolver::Clock::time_point::max();
+  auto solved = start;
   const double passed = take_sample(sample);
   now_s += passed;
   const bool handed_over = take_problem();
@@ -247,12 +261,14 @@ Wrench HapticChannel::State::tick(const DeviceSample* sample) {
   // A problem from before the device was somewhere else says nothing.
   const bool speaks = solver.problem() && solver.problem()->recoveries == counters.recoveries.get();
   if (guard.has_sample() && speaks && !solver.empty()) {
-    const RigidPlacement handle = placement(guard.sample().pose);
+    const DeviceSample hand = lead.ahead();
+    const RigidPlacement handle = placement(hand.pose);
     JawPoses poses;
     for (std::size_t jaw = 0; jaw < tool.jaw_count(); ++jaw)
-      poses[jaw] = tool.jaw_pose(jaw, handle, guard.sample().opening_rad);
+      poses[jaw] = tool.jaw_pose(jaw, handle, hand.opening_rad);
     if (!solver.move_to(poses, settings.reach_m)) counters.clamped_ticks.add(1);
-    solve(deadline);
+    solve(bounded ? deadline - std::min(closing, budget / 4) : deadline);
+    solved = ToolSolver::Clock::now();
     lawful = wrench(handle, poses);
   } else {
     counters.idle_ticks.add(1);
@@ -267,7 +283,9 @@ Wrench HapticChannel::State::tick(const DeviceSample* sample) {
   counters.active_contacts.set(active);
   counters.active_sum.add(active);
   counters.contact_sum.add(counters.contacts.get());
-  const auto took = ToolSolver::Clock::now() - start;
+  const auto end = ToolSolver::Clock::now();
+  const auto took = end - start;
+  if (solved != start) closing = (7 * closing + (end - solved)) / 8;
   counters.tick_time_s.add(std::chrono::duration<double>(took).count());
   if (bounded && took > budget) counters.deadline_misses.add(1);
   counters.ticks.add(1);

@@ -32,6 +32,10 @@ struct HapticSettings {
   /// How far a contact point may be taken from where physics had it, m: beyond, the linear problem says
   /// nothing, and the force stays what it is there.
   double reach_m = 0.01;
+  /// Ticks look for the force where the handle will be so much later, by its motion of late, s. What a
+  /// device and its loop are late by, half a tick for the force that is held until the next one
+  /// included: contacts may then be stiffer before a hand on them shakes. 0 to 0.02.
+  double lead_s = 0;
   DeviceLimits limits;  ///< of the device; applied last
 };
 

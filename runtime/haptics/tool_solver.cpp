@@ -205,13 +205,14 @@ bool ToolSolver::move_to(const JawPoses& poses, double reach_m) {
 }
 
 // The hand goes on as it went: so do forces and gaps, which costs no product with W, since the gaps are
-// linear in both.
+// linear in both. Not all the way: what the last tick left unsolved would go on as well, and grow.
 void ToolSolver::extrapolate() {
+  constexpr float share = 0.7F;
   for (std::size_t k = 0; k < 3 * count_; ++k) {
     const float f = force_[k], response = gap()[k] - shift_[k];
     if (ticks_ > 1) {
-      force_[k] += f - last_force_[k];
-      gap()[k] += response - last_response_[k];
+      force_[k] += share * (f - last_force_[k]);
+      gap()[k] += share * (response - last_response_[k]);
     }
     last_force_[k] = f;
     last_response_[k] = response;
@@ -281,10 +282,10 @@ bool ToolSolver::take_up_closed() {
   return true;
 }
 
-// All gaps are up to date.
-double ToolSolver::residual() const {
+// Of the first `contacts`, whose gaps are up to date.
+double ToolSolver::residual(std::size_t contacts) const {
   double residual2 = 0, force2 = 0;
-  for (std::size_t i = 0; i < count_; ++i) {
+  for (std::size_t i = 0; i < contacts; ++i) {
     const SingleLaw& law = problem_->laws[i];
     const float *f = &force_[3 * i], *u = gap() + 3 * i;
     if (law.kind == SingleLaw::Kind::immovable) continue;
@@ -301,24 +302,25 @@ TickSolve ToolSolver::solve(double residual_goal, int max_sweeps, Clock::time_po
   extrapolate();
   take_up_closed();
   Sums sums;
-  // What follows the sweeps takes its time too, as long as it lately did and half as much again; but no
-  // more than half of the time is kept for it, or a tick that was once interrupted would end the sweeps
-  // of those that follow before they begin.
+  // What follows the sweeps takes its time too, as long as it lately did and half as much again (more
+  // with a problem that no cache holds yet); but no more than half of the time is kept for it, or a tick
+  // that was once interrupted would end the sweeps of those that follow before they begin.
+  Clock::duration& closing = closing_[ticks_ == 1];
   const auto begun = Clock::now();
   const bool bounded = deadline != Clock::time_point::max();
   while (front_ > 0) {
-    const auto kept = std::min(3 * closing_ / 2, (deadline - begun) / 2);
+    const auto kept = std::min(3 * closing / 2, (deadline - begun) / 2);
     const auto stop = bounded ? deadline - kept : deadline;
     bool content = false;
     while (!content && result.in_time && result.sweeps < max_sweeps) {
       result.in_time = sweep(sums, stop) && Clock::now() < stop;
       ++result.sweeps;
-      content = sums.residual() <= residual_goal;
+      content = sums.residual() <= residual_goal && residual(front_) <= residual_goal;
     }
     const auto closing_began = Clock::now();
     synchronise();
-    result.residual = residual();
-    closing_ = (7 * closing_ + (Clock::now() - closing_began)) / 8;
+    result.residual = residual(count_);
+    closing = (7 * closing + (Clock::now() - closing_began)) / 8;
     const bool grew = take_up_closed();
     if (!result.in_time || result.sweeps >= max_sweeps) break;
     if (!grew && result.residual <= residual_goal) break;

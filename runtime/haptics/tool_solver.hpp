@@ -75,7 +75,7 @@ class ToolSolver {
   void synchronise();
   void shrink();
   bool take_up_closed();
-  double residual() const;
+  double residual(std::size_t contacts) const;
   void extrapolate();
   float* gap() { return gap_.data() + gap_offset_; }
   const float* gap() const { return gap_.data() + gap_offset_; }
@@ -90,8 +90,9 @@ class ToolSolver {
   std::vector<float> shift_;  ///< of the gaps by the motion of the tool
   // Of the tick before, on the same problem; `last_response_` is its W f + q.
   std::vector<float> last_force_, last_response_;
-  int ticks_ = 0;              ///< on this problem
-  Clock::duration closing_{};  ///< how long it takes to bring all gaps up to date, of late
+  int ticks_ = 0;  ///< on this problem
+  /// How long it takes to bring all gaps up to date, of late; again, and the first time on a problem.
+  std::array<Clock::duration, 2> closing_{};
 };
 
 }  // namespace souple

@@ -98,6 +98,7 @@ void parse_haptics(TomlTable& entry, SceneProbe& probe) {
       static_cast<std::size_t>(entry.integer("contact_capacity", 1, 4096)
                                    .value_or(static_cast<std::int64_t>(h.contact_capacity)));
   h.reach_m = entry.number("reach_m", {0, 1, true}).value_or(h.reach_m);
+  h.lead_s = entry.number("lead_s", {0, 0.02}).value_or(h.lead_s);
   h.hand_over_s = entry.number("hand_over_s", {0, 10}).value_or(h.hand_over_s);
   if (const auto passivity = entry.choice("passivity", passivities))
     probe.passivity =

@@ -711,6 +711,7 @@ TEST_F(CRefusals, ToolsAndHapticSettings) {
       with("turn speed", out_of_range, [](auto& s) { s.credible_turn_rad_s = -1; }),
       with("recovery", out_of_range, [](auto& s) { s.recover_after_s = infinity; }),
       with("reach", out_of_range, [](auto& s) { s.reach_m = 0; }),
+      with("lead", out_of_range, [](auto& s) { s.lead_s = -0.001; }),
       with("rate", out_of_range, [](auto& s) { s.device_rate_hz = nan; }),
       with("force", out_of_range, [](auto& s) { s.device_force_n = nan; }),
       with("slew", out_of_range, [](auto& s) { s.device_torque_slew_nm_s = -1; }),
