@@ -22,6 +22,13 @@ void DenseContactOperator::assign(std::span<const double> delassus, std::span<co
                            [](double value) { return float(value); });
 }
 
+void DenseContactOperator::anchor(std::span<const double> force, std::span<const double> gap) {
+  std::ranges::fill(free_gap_, 0.0);
+  refresh(force);
+  for (std::size_t k = 0; k < gap.size(); ++k) free_gap_[k] = gap[k] - base_[k];
+  std::ranges::copy(gap, base_.begin());
+}
+
 void DenseContactOperator::refresh(std::span<const double> force) {
   std::ranges::copy(free_gap_, base_.begin());
   std::ranges::fill(increment_, 0.0F);

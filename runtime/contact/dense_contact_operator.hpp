@@ -16,6 +16,8 @@ class DenseContactOperator {
   void assign(std::span<const double> delassus, std::span<const double> free_gap);
   /// W = 0 and q; blocks are then added to columns().
   void reset(std::span<const double> free_gap);
+  /// q with which W force + q is this gap (3m); both are then current.
+  void anchor(std::span<const double> force, std::span<const double> gap);
   PaddedColumns& columns() { return columns_; }
   const PaddedColumns& columns() const { return columns_; }
 

@@ -44,7 +44,8 @@ LocalLaw::LocalLaw(const ConstraintLaw& law, const Mat3& block)
   if (!block.allFinite() || (!bilateral_ && usable_inverse(block(0, 0)) == 0)) return;
   rho_ = 3 * usable_inverse(block.trace());
   if (bilateral_) {
-    if (rho_ > 0) inverse_ = safe_inverse(block);
+    if (rho_ > 0) softness_ = law.softness / rho_;
+    if (rho_ > 0) inverse_ = safe_inverse(block + softness_ * Mat3::Identity());
     return;
   }
   inverse_normal_ = usable_inverse(block(0, 0));
@@ -54,7 +55,7 @@ LocalLaw::LocalLaw(const ConstraintLaw& law, const Mat3& block)
 }
 
 Vec3 LocalLaw::next_force(const Vec3& gap, const Vec3& force) const {
-  if (bilateral_) return force - inverse_ * gap;
+  if (bilateral_) return force - inverse_ * (gap + softness_ * force);
   const double change = -gap[0] * inverse_normal_, normal = force[0] + change;
   if (!(normal > 0)) return Vec3::Zero();
   if (friction_ == 0) return {normal, 0, 0};
@@ -70,7 +71,7 @@ Vec3 LocalLaw::next_force(const Vec3& gap, const Vec3& force) const {
 }
 
 Vec3 LocalLaw::natural_map(const Vec3& gap, const Vec3& force) const {
-  if (bilateral_) return rho_ * gap;
+  if (bilateral_) return rho_ * (gap + softness_ * force);
   Vec3 step = gap;
   step[0] += friction_ * gap.tail<2>().norm();
   return force - project_onto_cone(force - rho_ * step, friction_);

@@ -14,7 +14,7 @@ struct HapticSettings {
   double tick_budget_s = 0.0008;
   /// A tick is content with this residual of the laws (natural map over the norm of the forces).
   double residual_goal = 3e-4;
-  int max_sweeps = 200;  ///< of one tick
+  int max_sweeps = 1000;  ///< of one tick
   /// How long the difference between the force before a publication and that of the new problem fades,
   /// s; 0: the time between the last two publications.
   double hand_over_s = 0;

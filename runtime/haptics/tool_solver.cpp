@@ -24,7 +24,8 @@ SingleLaw single_law(const ConstraintLaw& law, const Mat3& block) {
   if (!block.allFinite() || !(rho > 0) || !std::isfinite(float(rho))) return single;
   single.rho = float(rho);
   if (law.kind == ConstraintLaw::Kind::bilateral) {
-    const Mat3 inverse = block.inverse();
+    single.softness = float(law.softness / rho);
+    const Mat3 inverse = (block + law.softness / rho * Mat3::Identity()).inverse();
     if (!inverse.allFinite()) return single;
     single.kind = SingleLaw::Kind::bilateral;
     for (std::size_t k = 0; k < 9; ++k)
@@ -43,9 +44,11 @@ SingleLaw single_law(const ConstraintLaw& law, const Mat3& block) {
 // See LocalLaw::next_force.
 void next_force(const SingleLaw& law, const float* gap, const float* force, float* next) {
   if (law.kind == SingleLaw::Kind::bilateral) {
+    const float u[3] = {gap[0] + law.softness * force[0], gap[1] + law.softness * force[1],
+                        gap[2] + law.softness * force[2]};
     for (std::size_t r = 0; r < 3; ++r)
-      next[r] = force[r] - (law.inverse[3 * r] * gap[0] + law.inverse[3 * r + 1] * gap[1] +
-                            law.inverse[3 * r + 2] * gap[2]);
+      next[r] = force[r] - (law.inverse[3 * r] * u[0] + law.inverse[3 * r + 1] * u[1] +
+                            law.inverse[3 * r + 2] * u[2]);
     return;
   }
   const float change = -gap[0] * law.inverse_normal, normal = force[0] + change;
@@ -67,8 +70,14 @@ void next_force(const SingleLaw& law, const float* gap, const float* force, floa
 
 // Square of the norm of r - P(r - rho (u + mu |u_t| n)): see LocalLaw::natural_map.
 float natural_map2(const SingleLaw& law, const float* u, const float* f) {
-  if (law.kind == SingleLaw::Kind::bilateral)
-    return law.rho * law.rho * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+  if (law.kind == SingleLaw::Kind::bilateral) {
+    float sum = 0;
+    for (std::size_t r = 0; r < 3; ++r) {
+      const float error = law.rho * (u[r] + law.softness * f[r]);
+      sum += error * error;
+    }
+    return sum;
+  }
   const float mu = law.friction;
   const float r0 = f[0] - law.rho * (u[0] + mu * std::sqrt(u[1] * u[1] + u[2] * u[2]));
   const float r1 = f[1] - law.rho * u[1], r2 = f[2] - law.rho * u[2];
@@ -303,8 +312,8 @@ TickSolve ToolSolver::solve(double residual_goal, int max_sweeps, Clock::time_po
   take_up_closed();
   Sums sums;
   // What follows the sweeps takes its time too, as long as it lately did and half as much again (more
-  // with a problem that no cache holds yet); but no more than half of the time is kept for it, or a tick
-  // that was once interrupted would end the sweeps of those that follow before they begin.
+  // with a problem that no cache holds yet); but no more than half of the time is kept for it, or a
+  // tick that was once interrupted would end the sweeps of those that follow before they begin.
   Clock::duration& closing = closing_[ticks_ == 1];
   const auto begun = Clock::now();
   const bool bounded = deadline != Clock::time_point::max();

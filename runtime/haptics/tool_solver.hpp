@@ -16,6 +16,7 @@ struct SingleLaw {
   Kind kind = Kind::immovable;
   float friction = 0, rho = 0;
   float inverse_normal = 0, inverse_tangential = 0;
+  float softness = 0;               ///< of a bilateral one, m/N
   std::array<float, 2> coupling{};  ///< w_tn of both tangents
   std::array<float, 9> inverse{};   ///< of a bilateral one, row-major
 };

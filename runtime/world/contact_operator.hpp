@@ -48,7 +48,25 @@ class RigidContacts {
 /// The Delassus operator of a step: W = sum over the bodies of H C H^T, kept as what every body adds
 /// over its own contacts. Two contacts meet in it only through a body that both move.
 class StepContactOperator {
+  struct Link {
+    DelassusBlock* soft = nullptr;
+    RigidContacts* rigid = nullptr;
+    std::size_t local = 0;
+    std::uint32_t body = 0;  ///< in the order of add()
+  };
+
  public:
+  /// Memory of gather; nothing is allocated once it has grown.
+  class GatherWork {
+    friend class StepContactOperator;
+    struct Member {
+      Link link;
+      std::uint32_t place = 0;
+    };
+    std::vector<Member> members;
+    std::vector<float> motion, influence;  ///< of a rigid body: 6 rows of J^T, and of C J^T
+  };
+
   void begin(std::size_t contact_count);
   void add(BodyContacts& body);
   void add(RigidContacts& body);
@@ -60,13 +78,15 @@ class StepContactOperator {
   void add_influence(std::size_t i, const Vec3& change);
   /// The same in full precision.
   void add_to_base(std::size_t i, const Vec3& force);
+  /// Rows of gaps that add_influence(i) touches, of soft bodies.
+  std::size_t rows_touched(std::size_t i) const;
+  /// W between these contacts, in their order, added to `to`, which has 3 rows and columns for each.
+  void gather(std::span<const std::uint32_t> contacts, PaddedColumns& to, GatherWork& work) const;
 
  private:
-  struct Link {
-    DelassusBlock* soft = nullptr;
-    RigidContacts* rigid = nullptr;
-    std::size_t local = 0;
-  };
+  using Members = std::span<const GatherWork::Member>;
+  static void gather_soft(Members members, PaddedColumns& to);
+  static void gather_rigid(Members members, PaddedColumns& to, GatherWork& work);
   using Links = std::array<Link, 2>;  ///< of the sides; a body that is on both sides is there once
   void link(std::size_t contact, const Link& link);
   template <class Visit>
@@ -78,6 +98,7 @@ class StepContactOperator {
   }
 
   std::vector<Links> links_;
+  std::uint32_t bodies_ = 0;
 };
 
 /// The rows of some contacts of a step, none of which shares a movable body with any other: what the
@@ -98,6 +119,8 @@ class IslandOperator {
     return all_.gap(contacts_[i]) + Vec3(free_gap_[row], free_gap_[row + 1], free_gap_[row + 2]);
   }
   void add_influence(std::size_t i, const Vec3& change) { all_.add_influence(contacts_[i], change); }
+  const StepContactOperator& step() const { return all_; }
+  std::uint32_t contact(std::size_t i) const { return contacts_[i]; }  ///< of the step
 
  private:
   StepContactOperator& all_;

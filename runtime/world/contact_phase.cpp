@@ -124,7 +124,8 @@ void World::State::shift_free_gaps() {
 namespace {
 
 // Natural map over the norm of the forces.
-double law_residual(const IslandOperator& rows, const std::vector<LocalLaw>& laws,
+template <ContactOperator Operator>
+double law_residual(const Operator& rows, const std::vector<LocalLaw>& laws,
                     std::span<const double> force) {
   double residual2 = 0, force2 = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -136,29 +137,62 @@ double law_residual(const IslandOperator& rows, const std::vector<LocalLaw>& law
   return std::sqrt(force2 > 0 ? residual2 / force2 : residual2);
 }
 
-}  // namespace
+constexpr int most_plain_sweeps = 48;
 
 // Warm starts take a few plain sweeps; what is left after many is worth the acceleration: tall stacks,
 // chains of joints, mass ratios.
-ContactSolveReport World::State::solve_rows(IslandOperator& rows, IslandWork& work) const {
-  constexpr int plain_sweeps = 48;
-  ContactSolverSettings plain = settings.contact_solver;
+template <ContactOperator Operator>
+ContactSolveReport solve_rows(Operator& rows, std::span<const ConstraintLaw> laws,
+                              const ContactSolverSettings& settings, std::span<double> force,
+                              AcceleratedWork& solver, int plain_sweeps) {
+  ContactSolverSettings plain = settings;
   plain.max_sweeps = std::min(plain.max_sweeps, plain_sweeps);
-  AcceleratedWork& solver = work.solver;
-  const ContactSolveReport first =
-      solve_by_gauss_seidel(rows, work.laws, plain, work.force, solver.sweeps);
-  if (first.converged || settings.contact_solver.max_sweeps <= plain_sweeps) return first;
-  ContactSolverSettings rest_of_them = settings.contact_solver;
+  const ContactSolveReport first = solve_by_gauss_seidel(rows, laws, plain, force, solver.sweeps);
+  if (first.converged || settings.max_sweeps <= plain_sweeps) return first;
+  ContactSolverSettings rest_of_them = settings;
   rest_of_them.max_sweeps -= plain_sweeps;
   ContactSolveReport report = solve_by_accelerated_gauss_seidel(
-      rows, work.laws, rest_of_them, work.force, solver,
-      [&](const IslandOperator& op, std::span<const double> trial) {
+      rows, laws, rest_of_them, force, solver,
+      [&](const Operator& op, std::span<const double> trial) {
         return law_residual(op, solver.sweeps.laws, trial);
       },
       [] { return false; });
   report.sweeps += first.sweeps;
   return report;
 }
+
+// Sweeps over all contacts find which ones bear forces, and verify; those between are over these alone.
+ContactSolveReport solve_by_core(IslandOperator& rows, const ContactSolverSettings& settings,
+                                 IslandWork& work) {
+  constexpr int most_rounds = 8, finding_sweeps = 8;
+  int sweeps = 0;
+  ContactSolverSettings rest = settings;
+  const auto count = [&](ContactSolveReport report) {
+    sweeps += report.sweeps;
+    rest.max_sweeps = settings.max_sweeps - sweeps;
+    report.sweeps = sweeps;
+    return report;
+  };
+  for (int round = 0; round < most_rounds && rest.max_sweeps > finding_sweeps; ++round) {
+    ContactSolverSettings finding = rest;
+    finding.max_sweeps = finding_sweeps;
+    const ContactSolveReport found =
+        count(solve_by_gauss_seidel(rows, work.laws, finding, work.force, work.solver.sweeps));
+    if (found.converged) return found;
+    ActiveCore& core = work.core;
+    if (!core.take(rows, work.laws, work.force)) break;
+    ContactSolverSettings half = rest;
+    half.max_sweeps /= 2;
+    const ContactSolveReport solved = count(
+        solve_rows(core.rows(), core.laws(), half, core.force(), core.solver(), most_plain_sweeps));
+    core.give_back(work.force);
+    if (!solved.converged) break;
+  }
+  return count(
+      solve_rows(rows, work.laws, rest, work.force, work.solver, most_plain_sweeps - finding_sweeps));
+}
+
+}  // namespace
 
 void World::State::solve_island(std::size_t island) {
   IslandWork& work = island_work[island];
@@ -171,7 +205,7 @@ void World::State::solve_island(std::size_t island) {
     work.laws.push_back(laws[own[k]]);
   }
   IslandOperator rows(contact_operator, own, free_gap);
-  work.report = solve_rows(rows, work);
+  work.report = solve_by_core(rows, settings.contact_solver, work);
   for (std::size_t k = 0; k < own.size(); ++k) {
     std::copy_n(work.force.begin() + std::ptrdiff_t(3 * k), 3,
                 force.begin() + std::ptrdiff_t(3 * own[k]));

@@ -175,6 +175,7 @@ void World::State::add_pin_contacts() {
     c.a = pin.a.side;
     c.b = pin.b.side;
     c.law.kind = ConstraintLaw::Kind::bilateral;
+    c.law.softness = 1e-6;
     c.point = where(pin.b);
     if (pin.grab != Pin::none) {
       const Handle& handle = pins.handles[pin.grab];

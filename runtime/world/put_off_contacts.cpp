@@ -33,8 +33,8 @@ void World::State::discard_distant() {
     const Contact& c = contacts[i];
     const bool is_pin = c.law.kind == ConstraintLaw::Kind::bilateral;
     if (!is_pin && at(force, i).isZero(0) &&
-        c.gap + normal_motion(c) > margin_of_touch(c.key.body_a, c.key.body_b) +
-                                       look_ahead(c.key.body_a, c.key.body_b)) {
+        c.gap + normal_motion(c) >
+            margin_of_touch(c.key.body_a, c.key.body_b) + look_ahead(c.key.body_a, c.key.body_b)) {
       put_off.push_back(c);
       continue;
     }

@@ -38,7 +38,6 @@ Status World::move_handle(BodyId held_body, const Pose& pose) {
 std::size_t World::State::collect_tool_contacts(std::span<const BodyId> tool, std::size_t capacity) {
   std::vector<std::uint32_t>& chosen = tool_scratch.contacts;
   chosen.clear();
-  tool_scratch.place.assign(contacts.size(), -1);
   if (contacts.empty()) return 0;
   const auto of_tool = [&](std::uint32_t body) {
     return std::ranges::any_of(tool, [&](BodyId b) { return b.index == body; });
@@ -58,80 +57,7 @@ std::size_t World::State::collect_tool_contacts(std::span<const BodyId> tool, st
   std::ranges::sort(chosen, {}, rank);
   const std::size_t left_out = chosen.size() - std::min(chosen.size(), capacity);
   chosen.resize(chosen.size() - left_out);
-  for (std::size_t k = 0; k < chosen.size(); ++k) tool_scratch.place[chosen[k]] = std::int32_t(k);
   return left_out;
-}
-
-namespace {
-
-// Places in the problem of the contacts of a body; whether there are any.
-bool find_places(std::span<const std::uint32_t> own, const std::vector<std::int32_t>& place,
-                 std::vector<std::int32_t>& local) {
-  local.clear();
-  for (const std::uint32_t i : own) local.push_back(place[i]);
-  return std::ranges::any_of(local, [](std::int32_t k) { return k >= 0; });
-}
-
-}  // namespace
-
-void World::State::add_soft_delassus(std::uint32_t index, PaddedColumns& delassus) {
-  const BodyContacts& own = body_contacts[index];
-  std::vector<std::int32_t>& local = tool_scratch.local;
-  if (!find_places(own.contacts(), tool_scratch.place, local)) return;
-  const PaddedColumns& from = own.block().columns();
-  for (std::size_t k = 0; k < local.size(); ++k) {
-    if (local[k] < 0) continue;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float* source = from.column(3 * k + c);
-      float* target = delassus.column(3 * std::size_t(local[k]) + c);
-      for (std::size_t l = 0; l < local.size(); ++l) {
-        if (local[l] < 0) continue;
-        float* entry = target + 3 * local[l];
-        for (std::size_t r = 0; r < 3; ++r) entry[r] += source[3 * l + r];
-      }
-    }
-  }
-}
-
-// W += J C J^T, J the six columns of the body's motion.
-void World::State::add_rigid_delassus(std::uint32_t index, PaddedColumns& delassus) {
-  const RigidContacts& own = rigid_contacts[index];
-  ToolScratch& work = tool_scratch;
-  if (!find_places(own.contacts(), work.place, work.local)) return;
-  const std::size_t stride = delassus.stride();
-  work.motion.assign(6 * stride, 0.0F);
-  work.influence.assign(6 * stride, 0.0F);
-  for (std::size_t k = 0; k < work.local.size(); ++k) {
-    if (work.local[k] < 0) continue;
-    const Mat3 line = own.jacobian_of_shift(k), turn = own.jacobian_of_turn(k);
-    const Mat3 by_line = own.shift_compliance() * line, by_turn = turn * own.turn_compliance();
-    const std::size_t row = 3 * std::size_t(work.local[k]);
-    for (Eigen::Index r = 0; r < 3; ++r)
-      for (Eigen::Index c = 0; c < 3; ++c) {
-        const std::size_t at = std::size_t(c) * stride + row + std::size_t(r);
-        work.motion[at] = float(line(r, c));
-        work.motion[at + 3 * stride] = float(turn(r, c));
-        work.influence[at] = float(by_line(r, c));
-        work.influence[at + 3 * stride] = float(by_turn(r, c));
-      }
-  }
-  for (const std::int32_t place : work.local) {
-    if (place < 0) continue;
-    for (std::size_t column = 3 * std::size_t(place); column < 3 * std::size_t(place) + 3; ++column) {
-      float* target = delassus.column(column);
-      for (std::size_t m = 0; m < 6; ++m) {
-        const float* motion = work.motion.data() + m * stride;
-        const float factor = work.influence[m * stride + column];
-        for (std::size_t r = 0; r < stride; ++r) target[r] += factor * motion[r];
-      }
-    }
-  }
-}
-
-void World::State::fill_delassus(ToolProblem& problem) {
-  problem.delassus.reset(3 * problem.contacts.size(), 3 * problem.contacts.size());
-  for (const auto index : awake_soft) add_soft_delassus(index, problem.delassus);
-  for_each_free_rigid([&](std::uint32_t index) { add_rigid_delassus(index, problem.delassus); });
 }
 
 void World::State::describe_tool_contact(std::size_t contact, std::span<const BodyId> tool,
@@ -182,7 +108,8 @@ Status World::tool_problem(std::span<const BodyId> tool, ToolProblem& problem) c
   problem.contacts.resize(chosen.size());
   for (std::size_t k = 0; k < chosen.size(); ++k)
     s.describe_tool_contact(chosen[k], tool, problem.contacts[k]);
-  s.fill_delassus(problem);
+  problem.delassus.reset(3 * chosen.size(), 3 * chosen.size());
+  s.contact_operator.gather(chosen, problem.delassus, s.tool_scratch.gather);
   s.fill_gaps(problem);
   problem.jaw_count = tool.size();
   for (std::size_t jaw = 0; jaw < tool.size(); ++jaw) {

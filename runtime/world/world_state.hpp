@@ -12,6 +12,7 @@
 #include "runtime/collision/broad_phase.hpp"
 #include "runtime/collision/ray_pick.hpp"
 #include "runtime/contact/accelerated_gauss_seidel.hpp"
+#include "runtime/world/active_core.hpp"
 #include "runtime/world/contact_detection.hpp"
 #include "runtime/world/contact_events.hpp"
 #include "runtime/world/contact_memory.hpp"
@@ -56,6 +57,7 @@ struct BodyStep {
 /// Of the solver of one island.
 struct IslandWork {
   AcceleratedWork solver;
+  ActiveCore core;
   std::vector<double> force;
   std::vector<ConstraintLaw> laws;
   ContactSolveReport report;
@@ -64,9 +66,7 @@ struct IslandWork {
 /// Of tool_problem.
 struct ToolScratch {
   std::vector<std::uint32_t> contacts;  ///< those of the problem, in its order
-  std::vector<std::int32_t> place;      ///< of every contact of the step in it; -1: none
-  std::vector<std::int32_t> local;      ///< places of the contacts of a body
-  std::vector<float> motion, influence;  ///< of a rigid body: 6 rows of J^T, and of C J^T
+  StepContactOperator::GatherWork gather;
 };
 
 /// Whether a body rests.
@@ -116,7 +116,7 @@ struct World::State {
   std::vector<double> scratch_rows;
   std::vector<std::uint32_t> order;  ///< scratch
   ToolScratch tool_scratch;
-  ContactMemories memory, earlier;   ///< of the last step; scratch
+  ContactMemories memory, earlier;  ///< of the last step; scratch
   ContactEvents events;
   std::size_t uncovered = 0;  ///< contacts of this step outside the region of a compliance
   double last_energy_j = std::numeric_limits<double>::quiet_NaN();  ///< NaN: not measured
@@ -242,7 +242,6 @@ struct World::State {
   Vec3 motion_of(const ContactSide& side) const;
   void solve_islands(StepReport& report);
   void solve_island(std::size_t island);
-  ContactSolveReport solve_rows(IslandOperator& rows, IslandWork& work) const;
   void correct();
   Status make_motion_exact(StepReport& report);
   Status solve_pass(StepReport& report, PhaseClock& clock);
@@ -265,9 +264,6 @@ struct World::State {
   // What a hand may feel between steps (tool_problem.cpp).
   bool is_held(BodyId body) const;
   std::size_t collect_tool_contacts(std::span<const BodyId> tool, std::size_t capacity);
-  void fill_delassus(ToolProblem& problem);
-  void add_soft_delassus(std::uint32_t index, PaddedColumns& delassus);
-  void add_rigid_delassus(std::uint32_t index, PaddedColumns& delassus);
   void describe_tool_contact(std::size_t contact, std::span<const BodyId> tool, ToolContact& to) const;
   void fill_gaps(ToolProblem& problem) const;
 

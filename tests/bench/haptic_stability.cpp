@@ -51,7 +51,8 @@ enum Coupling : std::size_t {
 };
 constexpr std::array<const char*, coupling_count> names{"virtual coupling", "ticked spring", "NLCP",
                                                         "NLCP, lead", "NLCP, passivity control"};
-// The tick of the delay, half of one in which a force is held, and half of one that steadies what is left.
+// The tick of the delay, half of one in which a force is held, and half of one that steadies what is
+// left.
 constexpr double lead_s = 2 * tick_s;
 
 struct Bench {

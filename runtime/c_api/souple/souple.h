@@ -673,7 +673,6 @@ typedef struct souple_haptic_settings {
   double credible_turn_rad_s;
   double recover_after_s; /**< a device that keeps to an incredible place is believed after so long */
   double reach_m;         /**< how far ticks take a contact point from where physics had it */
-  double lead_s;          /**< ticks look so far ahead: what the device is late by; 0 to 0.02 */
   /* What the device can do; applied last. Infinite: no limit. */
   double device_rate_hz; /**< how often it wants a wrench */
   double device_force_n;
@@ -683,6 +682,7 @@ typedef struct souple_haptic_settings {
   double device_torque_slew_nm_s;
   int32_t device_has_opening;
   int32_t reserved; /**< 0 */
+  double lead_s;    /**< ticks look so far ahead: what the device is late by; 0 to 0.02 */
 } souple_haptic_settings;
 
 SOUPLE_API souple_status souple_haptic_settings_init(souple_haptic_settings* settings,

@@ -39,7 +39,7 @@ const std::map<std::string, std::size_t> recorded_sizes{
     {"souple_contact_event", 40},
     {"souple_jaw_description", 264},
     {"souple_tool_description", 104},
-    {"souple_haptic_settings", 152},
+    {"souple_haptic_settings", 160},
     {"souple_device_sample", 72},
     {"souple_wrench", 56},
     {"souple_histogram", 400},

@@ -21,9 +21,8 @@ constexpr double tick_s = 0.001, lead_s = 0.0015, radius = 0.02, stiffness = 800
 // A steady screw: line and turn at constant speeds in world axes.
 DeviceSample steady(double t) {
   const Vec3 axis = Vec3(1, 2, -2) / 3;
-  DeviceSample sample =
-      sample_at(t, Vec3(0.1, -0.2, 0.3) + t * Vec3(0.2, 0.1, -0.05),
-                Mat3(Eigen::AngleAxisd(0.7 + 3 * t, axis)), 0.1 + 0.5 * t);
+  DeviceSample sample = sample_at(t, Vec3(0.1, -0.2, 0.3) + t * Vec3(0.2, 0.1, -0.05),
+                                  Mat3(Eigen::AngleAxisd(0.7 + 3 * t, axis)), 0.1 + 0.5 * t);
   return sample;
 }
 
@@ -64,7 +63,8 @@ struct BallOnPlane {
     coupling.stiffness_n_m = stiffness;
     coupling.turn_stiffness_nm_rad = 1e6;
     coupling.look_ahead_m = 0.005;
-    return make_channel(add_tool(world, sphere_shape(radius), coupling, {0, 0, radius + 1e-5}), settings);
+    return make_channel(add_tool(world, sphere_shape(radius), coupling, {0, 0, radius + 1e-5}),
+                        settings);
   }
   World world;
   HapticChannel channel;
