@@ -151,9 +151,10 @@ struct Grip {
 };
 
 // A soft bar of 4 x 4 cm across between the jaws, on a plane that it rests on.
-Grip make_grip(double opening) {
+Grip make_grip(double opening, int passes = 1) {
   const double h = 0.01;
   WorldSettings settings = settings_of(0.6);
+  settings.contact_passes = passes;
   Grip grip{make_world(settings), {}, {}};
   grip.bar = add_soft(grip.world,
                       make_body(box_mesh({3, 4, 3}, {-0.02, -0.02, -0.02}, {0.04, 0.04, 0.04}),
@@ -258,19 +259,33 @@ TEST(ToolProblem, IsOfHeldBodiesOnly) {
   EXPECT_FALSE(grip.world.tool_problem(missing, problem).ok());
 }
 
-TEST(Forceps, LiftASoftBodyByFriction) {
-  Grip grip = make_grip(0.5);
+// Mean vertical force of the jaws over the weight, from a bar lifted by 5 cm and held there.
+double held_weight(int passes) {
+  Grip grip = make_grip(0.5, passes);
   close_jaws(grip, 0.5, 0.32, 30);
   const double before = centre_of_mass(grip.world, grip.bar).z();
-  for (int k = 1; k <= 100; ++k) {
-    const Vec3 hand(-0.1, 0, 0.022 + 0.0005 * k);
-    ASSERT_TRUE(grip.tool.move(grip.world, pose_of(Mat3::Identity(), hand), 0.32).ok());
+  const auto move_to = [&](double height) {
+    const Pose hand = pose_of(Mat3::Identity(), {-0.1, 0, height});
+    EXPECT_TRUE(grip.tool.move(grip.world, hand, 0.32).ok());
     step(grip.world);
+  };
+  for (int k = 1; k <= 100; ++k) move_to(0.022 + 0.0005 * k);
+  constexpr int steps = 100;
+  double force = 0;
+  for (int k = 0; k < steps; ++k) {
+    move_to(0.072);
+    force += contact_force(grip.world, grip.bar).z() / steps;
   }
   EXPECT_GT(centre_of_mass(grip.world, grip.bar).z(), before + 0.045) << "lifted by 5 cm";
-  const double weight = 9.81 * grip.world.asset(grip.bar).model().total_mass();
-  const Vec3 held = contact_force(grip.world, grip.bar);
-  EXPECT_NEAR(held.z(), weight, 0.1 * weight) << "by the jaws alone";
+  return force / (9.81 * grip.world.asset(grip.bar).model().total_mass());
+}
+
+// A bar squeezed by a fifth: single forces tremble by a few per cent as contacts come and go at its
+// edges, by the exact compliance too. Their mean is off by the error of warping, which a second pass
+// takes away (METHOD 4.2).
+TEST(Forceps, LiftASoftBodyByFriction) {
+  EXPECT_NEAR(held_weight(1), 1, 0.1);
+  EXPECT_NEAR(held_weight(2), 1, 0.02);
 }
 
 }  // namespace
