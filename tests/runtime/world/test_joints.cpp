@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "runtime/contact/contact.hpp"
 #include "tests/support/box_mesh.hpp"
 #include "tests/support/dense_compliance.hpp"
 #include "tests/support/rigid_scenes.hpp"
@@ -168,6 +169,25 @@ TEST(Joints, SoftBodyHangsFromTheWorldAndCarriesARigidOne) {
   const double sunk = -0.2 - place_of(world, weight).z();
   EXPECT_GT(sunk, longer);
   EXPECT_LT(sunk, 4 * longer);
+}
+
+// What is welded to the world and pulled by a hand cannot follow: the force that would satisfy both
+// does not exist. It must settle, not grow from step to step.
+TEST(Joints, AHandThatPullsAtAWeldedBodyMeetsABoundedForce) {
+  World world = make_world(settings_of(0.01));
+  const BodyId box = add_free(world, box_shape({0.1, 0.1, 0.1}), Vec3::Zero());
+  ASSERT_TRUE(world.add_joint(joint_of(JointKind::weld, box, {}, Vec3::Zero())).ok());
+  const auto hand = world.grab({box, {0.1, 0, 0}});
+  ASSERT_TRUE(hand.ok());
+  ASSERT_TRUE(world.move_grab(*hand, pose_of(Mat3::Identity(), {0.11, 0, 0})).ok());
+  double early = 0, late = 0;
+  for (int k = 0; k < 2000; ++k) {
+    step(world);
+    double& most = k < 1000 ? early : late;
+    for (const double f : world.contact_problem().force) most = std::max(most, std::abs(f));
+  }
+  EXPECT_LT(late, 1.01 * early);
+  EXPECT_LT(place_of(world, box).norm(), 0.03);
 }
 
 TEST(Joints, BodiesOfAJointDoNotCollideUnlessAsked) {
