@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Installs what is missing, builds the command, bakes a liver, drops it on a ball and a floor, lifts its tip
-# with the forceps of a hand that feels it, makes pictures of both. Does again only what changed.
+# Installs what is missing, builds the command, bakes a liver, drops it on a ball and a floor, lifts it by
+# its tip with forceps in a hand that feels it, makes pictures of both. Does again only what changed.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$root"
@@ -174,9 +174,9 @@ bake
 simulate liver_drop 240
 render liver_drop "0 2 4 5 6 7 9 11 14 20 40 80" --range=0,2 \
   --camera-position=0.38,-0.66,0.34 --camera-focal-point=0.0,0,0.09
-simulate forceps 240
-render forceps "0 20 30 40 50 60 70 80" --range=0,3 \
-  --camera-position=0.42,-0.66,0.24 --camera-focal-point=0.03,0,0.02
+simulate forceps 360
+render forceps "0 20 36 42 50 66 80 110" --range=0,3 \
+  --camera-position=0.36,-0.78,0.2 --camera-focal-point=0.04,0,0.03
 printf '\nasset     %s (%s bytes)\n' "$asset" "$(stat -c %s "$asset")"
 files liver_drop
 drop_summary
