@@ -99,12 +99,16 @@ class EdgeSearch {
     }
   }
 
-  void add(Index e, Index f, bool penetrating) {
+  // Edges that end a step past each other need not pierce a face; deep ones would be sought among too
+  // many that do not.
+  bool is_deep(double gap) const { return gap < -sure_part * search_.alarm_distance; }
+
+  void add(Index e, Index f, bool deep) {
     const Ridge* ridge_f = ridge_in(work_.ridges[1], b_, f);
     const Ridge* ridge_e = ridge_in(work_.ridges[0], a_, e);
     if (!ridge_e || !ridge_f) return;
     const auto minimum = edge_minimum(*ridge_e, *ridge_f);
-    if (!minimum || (minimum->gap < 0) != penetrating) return;
+    if (!minimum || is_deep(minimum->gap) != deep) return;
     if (minimum->gap > search_.alarm_distance || minimum->gap < -search_.inside_reach) return;
     LocalMinimum found;
     found.a = edge_point(a_, e, minimum->along_a);

@@ -97,10 +97,23 @@ SurfacePoint surface_point(const DeformedSurface& s, const PointMinimum& minimum
   return result;
 }
 
+double winding_number(const DeformedSurface& s, const Vec3& point) {
+  double sum = 0;
+  for (std::size_t t = 0; t < s.topology().corners.size(); ++t) {
+    const auto triangle = static_cast<Index>(t);
+    const Vec3 a = s.corner(triangle, 0) - point, b = s.corner(triangle, 1) - point,
+               c = s.corner(triangle, 2) - point;
+    const double na = a.norm(), nb = b.norm(), nc = c.norm();
+    sum += std::atan2(a.dot(b.cross(c)), na * nb * nc + a.dot(b) * nc + b.dot(c) * na + c.dot(a) * nb);
+  }
+  return sum / (2 * M_PI);
+}
+
 double depth_inside(const DeformedSurface& s, const Vec3& point) {
   if (s.boxes().empty() || !s.bounds().contains(point)) return 0;
   const SurfaceHit hit = s.closest(point, std::numeric_limits<double>::infinity());
-  const bool inside = hit.triangle >= 0 && (point - hit.closest.point).dot(s.pseudo_normal(hit)) < 0;
+  const bool inside = hit.triangle >= 0 && (point - hit.closest.point).dot(s.pseudo_normal(hit)) < 0 &&
+                      (!is_doubtful(hit.closest) || winding_number(s, point) > 0.5);
   return inside ? hit.distance : 0;
 }
 

@@ -10,6 +10,8 @@ namespace souple {
 
 // A pair whose normals point the same way joins the back of a thin part to the front of another.
 inline constexpr double same_side_cosine = 0.3;
+// Normals of two sides of a thin part, rather than of sides that meet at an edge.
+inline constexpr double other_side_cosine = -0.2;
 // To which part of its rest distance a surface may enter itself.
 inline constexpr double self_depth_part = 0.25;
 // Nearest among its neighbours: none is nearer by more than this part of its distance (15 degrees).
@@ -56,6 +58,13 @@ PointMinima point_minima(const DeformedSurface& surface, Index triangle, const V
 struct SurfacePoint;
 /// The corners that carry weight: 1, 2 or 3 mesh nodes.
 SurfacePoint surface_point(const DeformedSurface& surface, const PointMinimum& minimum);
+
+/// How often the surface winds around a point: 1 inside, 0 outside, whatever folds it has near the
+/// point (Jacobson et al. 2013; van Oosterom and Strackee 1983). Visits every triangle.
+double winding_number(const DeformedSurface& surface, const Vec3& point);
+/// Pseudo-normals tell inside from outside, but for a surface that is folded at a vertex: one that is
+/// nearest to a point inside is rare enough to look twice.
+inline bool is_doubtful(const ClosestOnTriangle& nearest) { return nearest.feature < 3; }
 
 /// How deep a point lies inside, by the pseudo-normal of the nearest feature, however far that is; 0:
 /// outside. An empty surface has no inside.

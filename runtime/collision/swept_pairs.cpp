@@ -227,10 +227,9 @@ void sweep_vertices(const MovingSurface& x, const MovingSurface& y, bool flipped
     for (const Index v : x.s.tree().leaf_vertices(x.s.tree().tree()[leaf_x])) {
       const Path point = x.path(v);
       if (squared_distance(path_box(std::array{point}, 0), box_y) > 0) continue;
-      const Vec3 own = x.s.normal_of_vertex(v);
       for (const Index t : y.s.tree().leaf_triangles(y.s.tree().tree()[leaf_y])) {
         const auto meeting = point_meets_triangle(point, y.triangle(t), 0, alarm);
-        if (!meeting || meeting->direction.dot(own) > same_side_cosine) continue;
+        if (!meeting) continue;
         const SurfacePoint vertex{1, {x.s.topology().nodes[v], 0, 0}, {1, 0, 0}};
         const SurfacePoint face = triangle_point(y.s, t, meeting->weight);
         const Vec3 foot = start_of(y.s, t, meeting->weight);

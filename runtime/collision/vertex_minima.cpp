@@ -80,6 +80,24 @@ class VertexSearch {
     return minimum.normal.dot(vertex_normal) <= same_side_cosine;
   }
 
+  // A place that faces away from a side on which the vertex lies is on the other side of the body: the
+  // vertex has not come that way, however deep it is below.
+  bool is_other_side(std::span<const VertexHit> hits, const PointMinimum& place) const {
+    if (place.gap >= -beside_) return false;
+    for (const VertexHit& hit : hits) {
+      if (std::abs(hit.minimum.gap) > beside_) break;
+      if (hit.minimum.normal.dot(place.normal) < other_side_cosine) return true;
+    }
+    return false;
+  }
+
+  // On an edge of the surface it winds by a quarter.
+  bool is_sure(Index v, const PointMinimum& inside) const {
+    constexpr double well_outside = 0.1;
+    return search_.is_self() || inside.gap >= -beside_ || !is_doubtful(inside.closest) ||
+           winding_number(y_, x_.position(v)) > well_outside;
+  }
+
   // All hits of one vertex, the nearest first: it tells inside from outside, unless the vertex slides
   // along a side that does not face it.
   void judge(std::span<const VertexHit> hits) {
@@ -88,9 +106,10 @@ class VertexSearch {
     work_.touched.set(x_.topology().component[v], 1);
     const Vec3 normal = x_.normal_of_vertex(v);
     const auto judged = std::ranges::find_if(hits, [&](const VertexHit& hit) {
-      return hit.minimum.gap < 0 || hit.minimum.gap > beside_ || faces(normal, hit.minimum);
+      return !is_other_side(hits, hit.minimum) &&
+             (hit.minimum.gap < 0 || hit.minimum.gap > beside_ || faces(normal, hit.minimum));
     });
-    if (judged == hits.end() || judged->minimum.gap < 0) {
+    if (judged == hits.end() || (judged->minimum.gap < 0 && is_sure(v, judged->minimum))) {
       judge_inside(v, normal, hits);
     } else {
       judge_outside(v, normal, hits);
@@ -99,12 +118,13 @@ class VertexSearch {
 
   void judge_inside(Index v, const Vec3& normal, std::span<const VertexHit> hits) {
     for (const Index next : x_.topology().ring(v)) work_.open.push_back(next);
-    for (const VertexHit& hit : hits)
-      if (hit.minimum.gap < 0 && faces(normal, hit.minimum)) {
-        if (-hit.minimum.gap <= search_.inside_reach) emit(v, hit.minimum);
-        return;
-      }
-    if (search_.inside_reach > search_.alarm_distance) add_deep(v, normal);
+    for (const VertexHit& hit : hits) {
+      const PointMinimum& m = hit.minimum;
+      if (m.gap > beside_ || !faces(normal, m) || is_other_side(hits, m)) continue;
+      if (-m.gap <= search_.inside_reach) emit(v, m);
+      return;
+    }
+    if (search_.inside_reach > search_.alarm_distance) add_deep(v, normal, hits);
   }
 
   void judge_outside(Index v, const Vec3& normal, std::span<const VertexHit> hits) {
@@ -126,8 +146,8 @@ class VertexSearch {
     work_.near.resize(start);
   }
 
-  // The nearest place within reach that faces a vertex inside; false: none.
-  bool add_deep(Index v, const Vec3& normal) {
+  // The nearest place within reach that faces a vertex inside, `hits` being the near ones; false: none.
+  bool add_deep(Index v, const Vec3& normal, std::span<const VertexHit> hits) {
     const Vec3 point = x_.position(v);
     std::optional<PointMinimum> best;
     const double radius = search_.inside_reach;
@@ -137,6 +157,7 @@ class VertexSearch {
       for (int k = 0; k < minima.count; ++k) {
         const PointMinimum& found = minima.found[k];
         if (found.gap >= 0 || !faces(normal, found) || !is_allowed(v, found)) continue;
+        if (is_other_side(hits, found)) continue;
         if (!best || std::pair(-found.gap, found.feature) < std::pair(-best->gap, best->feature))
           best = found;
       }
@@ -168,7 +189,7 @@ class VertexSearch {
       work_.open.pop_back();
       if (!work_.seen.set(v, 1)) continue;
       if (!search_.is_self() && !is_inside(y_, x_.position(v))) continue;
-      if (!add_deep(v, x_.normal_of_vertex(v)) && search_.is_self()) continue;
+      if (!add_deep(v, x_.normal_of_vertex(v), {}) && search_.is_self()) continue;
       for (const Index next : x_.topology().ring(v))
         if (!work_.seen.has(next)) work_.open.push_back(next);
     }

@@ -151,13 +151,18 @@ inline void brute_vertices(const BruteSurface& x, const BruteSurface& y, bool fl
     const Vec3 p = x.at(x.vertices[v]), own = x.vertex_normal(x.vertices[v]);
     const double beside = 0.02 * alarm;
     const auto feet = brute_feet(y, p, beside);
+    const auto on_other_side = [&](const BruteFoot& f) {
+      return f.gap < -beside && std::ranges::any_of(feet, [&](const BruteFoot& near) {
+               return std::abs(near.gap) <= beside && near.normal.dot(f.normal) < -0.2;
+             });
+    };
     const auto judge = std::ranges::find_if(feet, [&](const BruteFoot& f) {
-      return f.gap < 0 || f.gap > beside || f.normal.dot(own) <= 0.3;
+      return !on_other_side(f) && (f.gap < 0 || f.gap > beside || f.normal.dot(own) <= 0.3);
     });
     std::vector<BruteFoot> kept;
     for (const BruteFoot& foot : feet) {
       if (judge == feet.end() || judge->gap < 0) {
-        if (foot.gap >= 0 || foot.normal.dot(own) > 0.3) continue;
+        if (foot.gap > beside || foot.normal.dot(own) > 0.3 || on_other_side(foot)) continue;
         if (-foot.gap <= reach) kept.push_back(foot);
         break;
       }
@@ -242,8 +247,9 @@ inline void brute_edges(const BruteSurface& a, const BruteSurface& b, double ala
         const Vec3 pa = a.at(e.p) + solved[0] * u, pb = b.at(f.p) + solved[1] * v;
         const Vec3 lens =
             0.5 * (pa + pb) + 0.25 * gap * (brute_outward(a, e) + brute_outward(b, f)).normalized();
-        if (gap < 0 && !(brute_pierces(a, e, b) && brute_pierces(b, f, a) &&
-                         brute_feet(b, lens).front().gap < 0.15 * gap &&
+        const bool deep = gap < -alarm / 4;
+        if (deep && !(brute_pierces(a, e, b) && brute_pierces(b, f, a))) continue;
+        if (gap < 0 && !(brute_feet(b, lens).front().gap < 0.15 * gap &&
                          brute_feet(a, lens).front().gap < 0.15 * gap))
           continue;
         out.push_back({Index(a.vertices.size() + i), Index(b.vertices.size() + j), gap, normal, pb});
