@@ -12,6 +12,7 @@ BEGIN {
   print "#   souple bake --recipe assets/recipes/dino_rain.toml -o build/demo/dino_rain.souple"
   print "#   souple simulate assets/scenes/dino_rain.toml --steps 2000 --threads 2 -o build/demo/dino_rain"
   print "\n[world]\ntime_step_s = 0.01\nfriction = 0.4\ncontact_method = \"exact\"\ncontact_tolerance = 1e-4"
+  print "contact_penetration_m = 2e-5   # a fifth of a percent of an edge\ncontact_max_sweeps = 20000"
   wall("floor", "[0, 0, 0]", "", 0)
   wall("left", "[" (-half) ", 0, 0]", "[0, 1, 0]", 90)
   wall("right", "[" half ", 0, 0]", "[0, 1, 0]", -90)

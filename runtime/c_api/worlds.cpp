@@ -24,6 +24,7 @@ souple_world_settings default_settings() {
   made.sleep_speed_sides_s = s.sleep_speed;
   made.contact_tolerance = s.contact_solver.tolerance;
   made.contact_max_sweeps = s.contact_solver.max_sweeps;
+  made.contact_penetration_m = s.contact_solver.penetration_m;
   made.solver = static_cast<std::int32_t>(s.free_motion.solver);
   made.free_motion_tolerance = s.free_motion.tolerance;
   made.free_motion_max_iterations = s.free_motion.max_iterations;
@@ -67,7 +68,8 @@ Result<WorldSettings> to_settings(const souple_world_settings* given) {
   settings.penalty_stiffness_n_m = read->penalty_stiffness_n_m;
   settings.sleep_after_s = read->sleep_after_s;
   settings.sleep_speed = read->sleep_speed_sides_s;
-  settings.contact_solver = {read->contact_tolerance, read->contact_max_sweeps};
+  settings.contact_solver = {read->contact_tolerance, read->contact_max_sweeps,
+                             read->contact_penetration_m};
   settings.free_motion.tolerance = read->free_motion_tolerance;
   settings.free_motion.max_iterations = read->free_motion_max_iterations;
   settings.measure_laws = read->measure_laws != 0;

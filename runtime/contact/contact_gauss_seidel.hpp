@@ -56,6 +56,7 @@ namespace gauss_seidel {
 struct Sums {
   double largest_change = 0, largest_force = 0;  ///< N
   double residual2 = 0, force2 = 0;              ///< N^2, of a judged sweep
+  double deepest = 0;                            ///< m, of a judged sweep
 
   bool quiet(double tolerance) const { return largest_change <= tolerance * largest_force; }
   double residual() const { return force2 > 0 ? std::sqrt(residual2 / force2) : std::sqrt(residual2); }
@@ -69,7 +70,10 @@ void visit(Operator& op, const LocalLaw& law, std::size_t i, double* force, Sums
   Eigen::Map<Vec3> f(force);
   // An open contact that stays open.
   if (!law.bilateral() && f[0] == 0 && gap[0] >= 0) return;
-  if constexpr (judged) sums.residual2 += law.natural_map(gap, f).squaredNorm();
+  if constexpr (judged) {
+    sums.residual2 += law.natural_map(gap, f).squaredNorm();
+    if (!law.bilateral()) sums.deepest = std::max(sums.deepest, -gap[0]);
+  }
   const Vec3 next = law.next_force(gap, f), change = next - f;
   const double size2 = change.squaredNorm(), force2 = next.squaredNorm();
   if (size2 > 0) op.add_influence(i, change);
@@ -123,10 +127,11 @@ void start(Operator& op, std::span<const ConstraintLaw> laws, std::span<double> 
 }  // namespace gauss_seidel
 
 /// Solves for `force` (3 per constraint: in the start, out the result; any finite start will do) until
-/// both the relative change of the forces in a sweep and the natural map are within the tolerance, or
-/// the sweeps are used up. Between full sweeps only constraints that bear a force are visited. The
-/// operator is left with the gap of the result. Converged forces depend on the order of the contacts
-/// only within the tolerance, and not at all where W determines them.
+/// both the relative change of the forces in a sweep and the natural map are within the tolerance, and
+/// no contact is deeper than asked, or the sweeps are used up. Between full sweeps only constraints
+/// that bear a force are visited. The operator is left with the gap of the result. Converged forces
+/// depend on the order of the contacts only within the tolerance, and not at all where W determines
+/// them.
 template <ContactOperator Operator>
 ContactSolveReport solve_by_gauss_seidel(Operator& op, std::span<const ConstraintLaw> laws,
                                          const ContactSolverSettings& settings, std::span<double> force,
@@ -149,7 +154,8 @@ ContactSolveReport solve_by_gauss_seidel(Operator& op, std::span<const Constrain
     ++report.sweeps;
     report.residual = sums.residual();
     verify = false;
-    const bool solved = sums.quiet(settings.tolerance) && report.residual <= settings.tolerance;
+    const bool solved = sums.quiet(settings.tolerance) && report.residual <= settings.tolerance &&
+                        (settings.penetration_m == 0 || sums.deepest <= settings.penetration_m);
     if constexpr (RefreshableOperator<Operator>) {
       const bool fresh = residual_when_fresh < 0;
       if (fresh) residual_when_fresh = report.residual;

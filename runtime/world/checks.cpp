@@ -73,6 +73,8 @@ Status check_settings(const WorldSettings& s) {
     return refuse("sleep_after_s must be in [0, 1e6] and sleep_speed in [0, 1e3]", "sleep");
   if (!in_range(s.contact_solver.tolerance, 0, 1) || !in_range(s.contact_solver.max_sweeps, 1, 1e6))
     return refuse("tolerance must be in [0, 1] and sweeps in [1, 1e6]", "contact solver");
+  if (!in_range(s.contact_solver.penetration_m, 0, 1e6))
+    return refuse("penetration_m must be in [0, 1e6]", "contact solver");
   if (!in_range(s.free_motion.tolerance, 0, 1) || !in_range(s.free_motion.max_iterations, 1, 1e6))
     return refuse("tolerance must be in [0, 1] and iterations in [1, 1e6]", "free motion solver");
   return {};

@@ -137,6 +137,18 @@ double law_residual(const Operator& rows, const std::vector<LocalLaw>& laws,
   return std::sqrt(force2 > 0 ? residual2 / force2 : residual2);
 }
 
+// Both goals as one number that has to fall to the tolerance.
+template <ContactOperator Operator>
+double unsolved_part(const Operator& rows, const std::vector<LocalLaw>& laws,
+                     std::span<const double> force, const ContactSolverSettings& settings) {
+  const double residual = law_residual(rows, laws, force);
+  if (settings.penetration_m == 0) return residual;
+  double deepest = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (laws[i].movable() && !laws[i].bilateral()) deepest = std::max(deepest, -rows.gap(i)[0]);
+  return std::max(residual, settings.tolerance * deepest / settings.penetration_m);
+}
+
 constexpr int most_plain_sweeps = 48;
 
 // Warm starts take a few plain sweeps; what is left after many is worth the acceleration: tall stacks,
@@ -154,7 +166,7 @@ ContactSolveReport solve_rows(Operator& rows, std::span<const ConstraintLaw> law
   ContactSolveReport report = solve_by_accelerated_gauss_seidel(
       rows, laws, rest_of_them, force, solver,
       [&](const Operator& op, std::span<const double> trial) {
-        return law_residual(op, solver.sweeps.laws, trial);
+        return unsolved_part(op, solver.sweeps.laws, trial, settings);
       },
       [] { return false; });
   report.sweeps += first.sweeps;

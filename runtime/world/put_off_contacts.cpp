@@ -77,10 +77,27 @@ void World::State::order_contacts() {
   describe_contacts();
 }
 
+// A new contact changes the forces in all of its island, and with them how all of its bodies move.
+void World::State::spread_new_contacts() {
+  const auto for_sides = [&](std::uint32_t contact, auto&& visit) {
+    for (const ContactSide* side : {&contacts[contact].a, &contacts[contact].b})
+      if (side->body != ContactSide::no_body) visit(body_steps[side->body]);
+  };
+  for (std::size_t k = 0; k < islands.count(); ++k) {
+    bool has_new = false;
+    for (const std::uint32_t i : islands.contacts(k))
+      for_sides(i, [&](const BodyStep& step) { has_new = has_new || step.has_new_contacts; });
+    if (!has_new) continue;
+    for (const std::uint32_t i : islands.contacts(k))
+      for_sides(i, [](BodyStep& step) { step.has_new_contacts = true; });
+  }
+}
+
 // Contacts that the motion so far calls for, without a force; false if there are none.
 bool World::State::add_missing(bool first_look) {
   const std::size_t before = contacts.size();
   take_back_closed();
+  spread_new_contacts();
   add_crossing(first_look);
   for (BodyStep& step : body_steps) step.has_new_contacts = false;
   for (std::size_t i = before; i < contacts.size(); ++i)

@@ -46,10 +46,14 @@ enum class Integrator : std::uint8_t {
   explicit_euler,
 };
 
-/// Ends when the largest relative change of the contact forces in a sweep falls below `tolerance`.
+/// Ends when the natural map and the change of the forces in a sweep, relative to the forces, fall
+/// below `tolerance`.
 struct ContactSolverSettings {
   double tolerance = 1e-9;
   int max_sweeps = 1000;
+  /// Goes on until no frictional contact of the problem is left deeper than this, m; 0: not asked.
+  /// Beside an impact the forces of what merely rests are small, and so is their part of the residual.
+  double penetration_m = 0;
 };
 
 enum class UnconvergedStep : std::uint8_t {
@@ -131,9 +135,9 @@ struct FreeRigidMotion {
   Point angular_velocity_rad_s{};  ///< in world axes
 };
 
-/// A rigid body without mass that a hand holds: a spring and damper pull it to a handle, about a point of
-/// its shape's frame. Nothing else holds it: free of contact it is where the handle is, once the damper
-/// lets it, and what it touches feels the spring.
+/// A rigid body without mass that a hand holds: a spring and damper pull it to a handle, about a point
+/// of its shape's frame. Nothing else holds it: free of contact it is where the handle is, once the
+/// damper lets it, and what it touches feels the spring.
 struct HandleCoupling {
   double stiffness_n_m = 2000;
   double turn_stiffness_nm_rad = 20;
@@ -148,8 +152,8 @@ struct HandleCoupling {
 struct RigidBodyDescription {
   std::string name;
   RigidShape shape;
-  std::vector<Keyframe> path;           ///< one keyframe: fixed; more: driven, ascending times
-  std::optional<FreeRigidMotion> free;  ///< starts at the pose of the one keyframe, which it may leave
+  std::vector<Keyframe> path;            ///< one keyframe: fixed; more: driven, ascending times
+  std::optional<FreeRigidMotion> free;   ///< starts at the pose of the one keyframe, which it may leave
   std::optional<HandleCoupling> handle;  ///< held by a hand, which begins at the one keyframe
   CollisionFilter filter;
 };

@@ -208,6 +208,7 @@ struct World::State {
   std::optional<ContactKey> key_if_missing(const Contact& contact) const;
   void add_crossing(bool first_look);
   void order_contacts();
+  void spread_new_contacts();
   bool add_missing(bool first_look);
   void describe_contacts();
   void ask_ahead() const;

@@ -17,6 +17,7 @@ Json settings_json(const WorldSettings& s) {
           {"feed_forward_forces", s.feed_forward_forces},
           {"contact_tolerance", s.contact_solver.tolerance},
           {"contact_max_sweeps", s.contact_solver.max_sweeps},
+          {"contact_penetration_m", s.contact_solver.penetration_m},
           {"contact_passes", s.contact_passes},
           {"penalty_stiffness_n_m", s.penalty_stiffness_n_m},
           {"sleep_after_s", s.sleep_after_s},

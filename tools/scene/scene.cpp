@@ -62,6 +62,8 @@ WorldSettings parse_world(TomlTable world) {
   contact.tolerance = world.number("contact_tolerance", tolerance_range).value_or(contact.tolerance);
   contact.max_sweeps = static_cast<int>(
       world.integer("contact_max_sweeps", 1, iteration_limit).value_or(contact.max_sweeps));
+  contact.penetration_m =
+      world.number("contact_penetration_m", {0, 1e6}).value_or(contact.penetration_m);
   s.contact_passes =
       static_cast<int>(world.integer("contact_passes", 1, 20).value_or(s.contact_passes));
   if (s.contact_method == ContactMethod::penalty)

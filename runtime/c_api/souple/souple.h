@@ -296,6 +296,8 @@ typedef struct souple_world_settings {
   int32_t unconverged;  /**< SOUPLE_UNCONVERGED_* */
   int32_t measure_laws; /**< not 0: fill the law and energy figures of reports */
   int32_t reserved;     /**< 0 */
+  /** The contact solver goes on until no contact is left deeper; 0: not asked. */
+  double contact_penetration_m;
 } souple_world_settings;
 
 SOUPLE_API souple_status souple_world_settings_init(souple_world_settings* settings,

@@ -277,6 +277,7 @@ TEST_F(CRefusals, Settings) {
          with("sleep speed", out_of_range, [](auto& s) { s.sleep_speed_sides_s = -1; }),
          with("contact tolerance", out_of_range, [](auto& s) { s.contact_tolerance = 2; }),
          with("sweeps", out_of_range, [](auto& s) { s.contact_max_sweeps = INT32_MIN; }),
+         with("penetration", out_of_range, [](auto& s) { s.contact_penetration_m = -1e-5; }),
          with("tolerance", out_of_range, [](auto& s) { s.free_motion_tolerance = nan; }),
          with("iterations", out_of_range, [](auto& s) { s.free_motion_max_iterations = 0; })});
   EXPECT_EQ(world_out, nullptr);
@@ -824,7 +825,7 @@ TEST_F(CRefusals, NumbersOfAnyBitsAreRefusedOrSimulated) {
                  s.contact_method, s.rotation_method, s.feed_forward_forces, s.contact_passes,
                  s.penalty_stiffness_n_m, s.sleep_after_s, s.sleep_speed_sides_s, s.contact_tolerance,
                  s.contact_max_sweeps, s.solver, s.free_motion_tolerance, s.free_motion_max_iterations,
-                 s.unconverged, s.measure_laws);
+                 s.unconverged, s.measure_laws, s.contact_penetration_m);
     souple_world* tried = nullptr;
     souple_world_create(&s, &tried);
     const WorldHandle own(tried ? WorldHandle(tried) : make_c_world());

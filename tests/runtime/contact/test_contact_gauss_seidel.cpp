@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "runtime/contact/accelerated_gauss_seidel.hpp"
 #include "runtime/contact/block_sparse_operator.hpp"
 #include "runtime/contact/dense_contact_operator.hpp"
 #include "runtime/contact/frictional_contact.hpp"
@@ -69,6 +70,41 @@ TEST(ContactGaussSeidel, AgreesWithASlowProjectionMethod) {
     const Eigen::VectorXd slow = slow_solution(p, 200000);
     EXPECT_LT((p.w * (s.r - slow)).norm(), 1e-7 * p.q.norm()) << "mu " << mu;
   }
+}
+
+// Contacts at rest in one problem with an impact that shares nothing with them but the norm of the
+// forces.
+DenseProblem beside_an_impact(const DenseProblem& rest, double blow) {
+  const Eigen::Index size = rest.q.size();
+  DenseProblem p = rest;
+  p.w = Eigen::MatrixXd::Identity(size + 3, size + 3);
+  p.w.topLeftCorner(size, size) = rest.w;
+  p.q.conservativeResize(size + 3);
+  p.q.tail<3>() = Vec3(-blow, 0, 0);
+  p.mu.conservativeResize(p.mu.size() + 1);
+  p.mu.tail<1>().setZero();
+  return p;
+}
+
+double deepest(const DenseProblem& p, const Eigen::VectorXd& r) {
+  const Eigen::VectorXd u = p.w * r + p.q;
+  double depth = 0;
+  for (Eigen::Index i = 0; i < u.size(); i += 3) depth = std::max(depth, -u[i]);
+  return depth;
+}
+
+TEST(ContactGaussSeidel, GoesOnUntilNoContactIsDeeperThanAsked) {
+  std::mt19937 random(17);
+  const DenseProblem rest = random_dense(random, 20, 62, 0.3);
+  const DenseProblem p = beside_an_impact(rest, 1e6 * rest.q.norm());
+  const double asked = 1e-6 * rest.q.norm();
+  const Solution rough = solve(p, {1e-4, 200000});
+  EXPECT_TRUE(rough.report.converged);
+  EXPECT_GT(deepest(p, rough.r), 100 * asked) << "or there is nothing to ask for";
+  const Solution asked_for = solve(p, {1e-4, 200000, asked});
+  EXPECT_TRUE(asked_for.report.converged);
+  EXPECT_LT(deepest(p, asked_for.r), 2 * asked);
+  EXPECT_GT(asked_for.report.sweeps, rough.report.sweeps);
 }
 
 TEST(ContactGaussSeidel, MeetsTheLawsForFrictionFromNoneToTwo) {
@@ -224,6 +260,39 @@ TEST(ContactGaussSeidel, PinsOfAChainAreTheSolutionOfTheDenseSystem) {
   EXPECT_TRUE(report.converged);
   const Eigen::VectorXd expected = p.w.llt().solve(-p.q);
   EXPECT_LT((r - expected).norm(), 1e-9 * expected.norm());
+}
+
+// A chain of 60 pinned bodies, a contact at its end: plain sweeps take tens of thousands, and the answer
+// of the accelerated ones has to be theirs.
+TEST(ContactGaussSeidel, AccelerationSolvesLongChainsOfPinsToTheSameForces) {
+  const int links = 60;
+  DenseProblem p = pile(std::vector<double>(links, 1.0), 0.3);
+  std::mt19937 random(23);
+  std::normal_distribution<double> normal;
+  p.q = Eigen::VectorXd::NullaryExpr(3 * links, [&] { return normal(random); });
+  std::vector<ConstraintLaw> laws = p.laws();
+  for (int i = 0; i + 1 < links; ++i) laws[std::size_t(i)].kind = ConstraintLaw::Kind::bilateral;
+  const ContactProblem sparse = p.sparse();
+  BlockSparseOperator op(sparse.w, sparse.q);
+  Eigen::VectorXd plain = Eigen::VectorXd::Zero(3 * links), fast = plain;
+  GaussSeidelWork work;
+  const auto slow = solve_by_gauss_seidel(op, laws, {1e-11, 1000000}, {plain.data(), 3 * links}, work);
+  ASSERT_TRUE(slow.converged);
+  AcceleratedWork accelerated;
+  const auto judge = [&](const BlockSparseOperator& rows, std::span<const double> force) {
+    double residual2 = 0, force2 = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      const Vec3 f = Eigen::Map<const Vec3>(&force[3 * i]);
+      residual2 += accelerated.sweeps.laws[i].natural_map(rows.gap(i), f).squaredNorm();
+      force2 += f.squaredNorm();
+    }
+    return std::sqrt(residual2 / std::max(force2, 1e-300));
+  };
+  const auto quick = solve_by_accelerated_gauss_seidel(
+      op, laws, {1e-11, 100000}, {fast.data(), 3 * links}, accelerated, judge, [] { return false; });
+  EXPECT_TRUE(quick.converged);
+  EXPECT_LT(5 * quick.sweeps, slow.sweeps);
+  EXPECT_LT((fast - plain).norm(), 1e-7 * plain.norm());
 }
 
 TEST(ContactGaussSeidel, ASingularPinHoldsWhatItCan) {

@@ -155,6 +155,53 @@ TEST(RigidBodies, TallBlockTipsOnASlopeWhereItWouldStillStick) {  // 4.2: tan(th
   }
 }
 
+// A block of base b on a plane, pushed slowly at height h by a smooth ball: the mean force that it
+// takes once the first touch has rung out and before a tilt shortens the lever of the weight.
+constexpr double push_speed = 0.005, push_time = 0.6;
+struct Pushed {
+  double force = 0, tilt = 0, way = 0;
+};
+
+Pushed push_at(double height, double friction) {
+  const double half = 0.05, radius = 0.01, time_step = 2e-3;
+  World world = make_world(settings_of(time_step, friction));
+  const BodyId block = add_free(world, box_shape({half, half, 2 * half}), {0, 0, 2 * half});
+  add_plane(world);
+  const double start = -half - radius - 1e-4;
+  const BodyId ball = add_driven(world, sphere_shape(radius),
+                                 {{0, pose_of(Mat3::Identity(), {start, 0, height})},
+                                  {1, pose_of(Mat3::Identity(), {start + push_speed, 0, height})}});
+  EXPECT_TRUE(world.set_pair(ball, block, {0.0, true}).ok());
+  Pushed result;
+  const int first = 25, last = 75;
+  for (int k = 0; k < int(push_time / time_step); ++k) {
+    step(world);
+    if (k >= first && k < last) result.force += event_force(world, ball, block).x() / (last - first);
+  }
+  const auto& q = world.rigid_pose(block).rotation;
+  const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
+  result.tilt = std::acos(std::min(1.0, turn.toRotationMatrix()(2, 2)));
+  result.way = place_of(world, block).x() - result.tilt * 2 * half;  // of its base
+  return result;
+}
+
+TEST(RigidBodies, PushedBlockSlidesOrTipsByTheHeightOfThePush) {  // 4.5: slides iff h < b / (2 mu)
+  const double mu = 0.4, base = 0.1, weight = 1000 * base * base * 2 * base * g;
+  const double limit = base / (2 * mu);
+  for (const double height : {0.5 * limit, 0.9 * limit}) {
+    const Pushed block = push_at(height, mu);
+    EXPECT_NEAR(block.force, mu * weight, 0.02 * mu * weight) << height;
+    EXPECT_LT(block.tilt, 1e-3) << height;
+    EXPECT_NEAR(block.way, push_speed * push_time, 2e-4) << height;
+  }
+  for (const double height : {1.1 * limit, 1.4 * limit}) {
+    const Pushed block = push_at(height, mu);
+    EXPECT_NEAR(block.force, weight * base / (2 * height), 0.02 * weight) << height;
+    EXPECT_NEAR(block.tilt, push_speed * push_time / height, 2e-3) << height;
+    EXPECT_LT(std::abs(block.way), 1e-3) << height;
+  }
+}
+
 TEST(RigidBodies, LadderSlipsBelowItsLeastAngle) {  // 4.5: 57.45 degrees with 0.3 and 0.2
   const double half = 0.5, radius = 1e-3;
   for (const auto& [angle, holds] : {std::pair(57.95, true), std::pair(56.95, false)}) {

@@ -25,6 +25,7 @@ contact_method = "exact"
 alarm_distance_m = 0.01
 contact_tolerance = 1e-7
 contact_max_sweeps = 50
+contact_penetration_m = 2e-5
 contact_passes = 3
 solver_tolerance = 1e-6
 solver = "warped_pcg"
@@ -65,6 +66,7 @@ plane_size_m = 2
   EXPECT_EQ(scene->world.contact_method, ContactMethod::exact);
   EXPECT_EQ(scene->world.friction, 0.7);
   EXPECT_EQ(scene->world.contact_solver.max_sweeps, 50);
+  EXPECT_EQ(scene->world.contact_solver.penetration_m, 2e-5);
   EXPECT_EQ(scene->world.contact_passes, 3);
   EXPECT_EQ(scene->world.free_motion.tolerance, 1e-6);
   EXPECT_EQ(scene->world.free_motion.solver, SolverKind::warped_pcg);
@@ -218,10 +220,11 @@ TEST(Scene, RefusesNumbersThatNoWorldCouldUse) {
        {"time_step_s = 0", "time_step_s = -0.01", "time_step_s = nan", "time_step_s = 1e9"})
     EXPECT_EQ(code_of("[world]\n" + std::string(line) + "\n" + plane), IssueCode::config_bad_value)
         << line;
-  for (const char* line : {"friction = -0.1", "friction = inf", "gravity = [0, 0]",
-                           "gravity = [0, 0, nan]", "contact_max_sweeps = 0", "contact_passes = 0",
-                           "contact_passes = 21", "contact_method = \"magic\"", "solver = \"magic\"",
-                           "solver_unconverged = \"hope\"", "solver_tolerance = 0"})
+  for (const char* line :
+       {"friction = -0.1", "friction = inf", "gravity = [0, 0]", "gravity = [0, 0, nan]",
+        "contact_max_sweeps = 0", "contact_penetration_m = -1e-5", "contact_passes = 0",
+        "contact_passes = 21", "contact_method = \"magic\"", "solver = \"magic\"",
+        "solver_unconverged = \"hope\"", "solver_tolerance = 0"})
     EXPECT_EQ(code_of(world + line + "\n" + plane), IssueCode::config_bad_value) << line;
   for (const char* line :
        {"position = [0, 0, 1e300]", "rotation = { axis = [0, 0, 0], angle_deg = 90 }",
