@@ -3,7 +3,7 @@
 # and the package files behind find_package(souple COMPONENTS runtime | runtime_load | …).
 #
 # Every component has an export set of its own, so that who asks for `runtime` needs no HDF5:
-#   runtime  formats_core, runtime                 needs Eigen
+#   runtime  formats_core, runtime, devices        needs Eigen
 #   load     formats_read, runtime_load            needs HDF5 and zstd at the link
 #   write    formats_write                         needs HDF5 and zstd at the link
 #   c        c, the C interface, shared            needs nothing: it brings the runtime
@@ -45,7 +45,7 @@ macro(souple_export set_name)
   endif()
 endmacro()
 
-souple_export(runtime souple_formats_core souple_runtime)
+souple_export(runtime souple_formats_core souple_runtime souple_devices)
 souple_export(load souple_formats_read souple_runtime_load)
 souple_export(write souple_formats_write)
 souple_export(c souple_c)

@@ -46,8 +46,8 @@ mkdir "$work/runtime"
 cat >"$work/runtime/CMakeLists.txt" <<'TEXT'
 cmake_minimum_required(VERSION 3.25)
 project(runtime_consumer CXX)
-find_package(souple 0.1 REQUIRED COMPONENTS runtime)
-if(NOT TARGET souple::runtime OR TARGET souple::formats_read)
+find_package(souple 0.1 REQUIRED COMPONENTS runtime devices)
+if(NOT TARGET souple::runtime OR NOT TARGET souple::devices OR TARGET souple::formats_read)
   message(FATAL_ERROR "component runtime must give souple::runtime and no more than it needs")
 endif()
 find_package(souple 99 QUIET)
@@ -56,6 +56,12 @@ if(souple_FOUND)
 endif()
 add_library(all_headers OBJECT all_headers.cpp)
 target_link_libraries(all_headers PRIVATE souple::runtime)
+add_executable(device device.cpp)
+target_link_libraries(device PRIVATE souple::devices)
+TEXT
+cat >"$work/runtime/device.cpp" <<'TEXT'
+#include "runtime/haptics_net/udp_device.hpp"
+int main() { return souple::DeviceLink::open(47100).ok() ? 0 : 1; }
 TEXT
 (cd "$work/moved prefix/include/souple" && find formats/core runtime -name '*.hpp' -not -path 'runtime/load/*' |
   LC_ALL=C sort | sed 's/.*/#include "&"/') >"$work/runtime/all_headers.cpp"
