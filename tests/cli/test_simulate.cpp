@@ -215,6 +215,12 @@ TEST_F(Simulate, RefusesDumpsOfStepsWithoutAContactProblem) {
   EXPECT_FALSE(fs::exists(file));
 }
 
+TEST_F(Simulate, ADumpThatCannotBeWrittenIsAnErrorOfTheFile) {
+  const std::string file = path("no_such_folder/c.hdf5").string();
+  expect_issue(simulate(drop_scene(), {"--steps", "40", "--dump-contact", "40=" + file}), 2, "S2003");
+  EXPECT_FALSE(fs::exists(path("no_such_folder")));
+}
+
 TEST_F(Simulate, RefusesATimeStepOrFixedSetWithoutACompliance) {
   const auto step = simulate(drop_scene("time_step_s = 0.02\n"), {"--steps", "5", "--json"});
   expect_issue(step, 3, "S3400");
