@@ -262,8 +262,8 @@ TEST(ContactGaussSeidel, PinsOfAChainAreTheSolutionOfTheDenseSystem) {
   EXPECT_LT((r - expected).norm(), 1e-9 * expected.norm());
 }
 
-// A chain of 60 pinned bodies, a contact at its end: plain sweeps take tens of thousands, and the answer
-// of the accelerated ones has to be theirs.
+// A chain of 60 pinned bodies, a contact at its end: plain sweeps take tens of thousands, and the
+// answer of the accelerated ones has to be theirs.
 TEST(ContactGaussSeidel, AccelerationSolvesLongChainsOfPinsToTheSameForces) {
   const int links = 60;
   DenseProblem p = pile(std::vector<double>(links, 1.0), 0.3);
