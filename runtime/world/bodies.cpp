@@ -70,6 +70,7 @@ bool SoftBody::may_rest() const {
 void SoftBody::stop() {
   v.setZero();
   motion.setZero();
+  warping_defect.setZero();
   history.valid = false;
 }
 

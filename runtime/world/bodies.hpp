@@ -69,8 +69,11 @@ struct SoftBody {
   SolveReport solve_from_motion(double time_step_s, const FreeMotionSettings& settings);
   /// Takes over `motion`. `struck`: contacts changed it from the free motion by an impulse.
   void take_motion(const StepRule& rule, bool struck);
-  /// What the motion of the contact forces in `rest_frame` gave by warping, J; uses `rest_frame` up.
-  double energy_of_warping(double time_step_s);
+  /// Sets `warping_defect` to what `motion` leaves of A dx = b + f, of contact forces f in
+  /// `rest_frame`.
+  void measure_warping_defect();
+  /// What the defect gave in the motion, J, if the forces in `rest_frame` were an impact; else 0.
+  double energy_of_warping(double time_step_s) const;
   void remove_kinetic_energy(double energy_j);
   void take_history(const SoftBody& other, bool same_step);
   /// Whether nothing but contacts can end its rest: no driven nodes, no load that changes in time.
@@ -107,8 +110,9 @@ struct SoftBody {
   Eigen::VectorXd prescribed;    ///< 3n: dx of driven nodes in this step, else 0; empty: none driven
   StepHistory history;           ///< sized for BDF2 only
   Stabilisation stabilisation;
-  Eigen::VectorXd rest_frame;         ///< 3n: scratch; of the correction in the rest frame
-  Eigen::VectorXd work;               ///< exact contact
+  Eigen::VectorXd warping_defect;  ///< 3n, N: what the next step gives back; empty without compliance
+  Eigen::VectorXd rest_frame;      ///< 3n: scratch; of the correction in the rest frame
+  Eigen::VectorXd work;            ///< exact contact
   std::vector<float> extension_work;  ///< warped contact
   std::vector<Mat3> element_rotations, node_rotations;
   CornerVectors gradients, corner_forces;  ///< of the elements, rotated; scratch of a step

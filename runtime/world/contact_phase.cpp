@@ -356,18 +356,23 @@ void World::State::choose_relaxation(std::uint32_t index) {
 // the order of h and falls below any share, in an impact it does not. Both that are wrongly taken for
 // the other are harmless: what is smooth then loses an order, and what is an impulse of so small a
 // share bounces by as little.
+double World::State::changed_share(std::uint32_t index) const {
+  double total = 0, changed = 0;
+  for (const std::uint32_t i : contacts_of_body[index]) {
+    total += at(force, i).squaredNorm();
+    changed += (at(force, i) - at(applied, i)).squaredNorm();
+  }
+  if (total > 0) return changed / total;
+  return changed > 0 ? std::numeric_limits<double>::infinity() : 0;
+}
+
 void World::State::find_struck_bodies() {
   constexpr double share = 0.05;
   for (const auto index : awake_soft) {
     BodyStep& result = body_steps[index];
     result.struck = false;
     if (settings.integrator != Integrator::bdf2) continue;
-    double total = 0, changed = 0;
-    for (const std::uint32_t i : contacts_of_body[index]) {
-      total += at(force, i).squaredNorm();
-      changed += (at(force, i) - at(applied, i)).squaredNorm();
-    }
-    result.struck = changed > share * share * total;
+    result.struck = changed_share(index) > share * share;
   }
 }
 

@@ -14,7 +14,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little);
 
 constexpr std::array<char, 8> magic{'S', 'O', 'U', 'P', 'S', 'N', 'A', 'P'};
-constexpr std::uint32_t snapshot_version = 2;
+constexpr std::uint32_t snapshot_version = 3;
 
 // FNV-1a, 64 bits: against damage, not against forgery, from which the checks of sizes protect.
 std::uint64_t checksum(std::span<const std::byte> bytes) {
@@ -145,8 +145,8 @@ bool walk(Stream& s, SoftBody& body) {
   if (!walk(s, body.x) || !walk(s, body.v) || !s.local(&has_history, sizeof has_history) ||
       !s.state(&body.stabilisation.growing_steps, sizeof(int)) ||
       !s.doubles(&body.stabilisation.relaxation, 1) || !walk(s, body.history.motion) ||
-      !walk(s, body.history.velocity) || !s.local(&solver, sizeof solver) ||
-      !body.solver->may_recall(solver))
+      !walk(s, body.history.velocity) || !walk(s, body.warping_defect) ||
+      !s.local(&solver, sizeof solver) || !body.solver->may_recall(solver))
     return false;
   if constexpr (std::is_same_v<Stream, Reader>) {
     body.history.valid = has_history;

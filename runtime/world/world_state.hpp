@@ -253,10 +253,15 @@ struct World::State {
   void end_penalty();
   double mass_at(const Contact& contact) const;
   void choose_relaxation(std::uint32_t index);
+  /// Of the squared contact forces of a body: the share by which the motion's were changed in this
+  /// step.
+  double changed_share(std::uint32_t index) const;
   void find_struck_bodies();
   bool is_impact(std::uint32_t body) const;
   void remember_contacts();
   void measure_warping();
+  void judge_warping(std::uint32_t index);
+  bool gives_defect_back(std::uint32_t index) const;
 
   /// Over all that the next step depends on, in one order; see snapshot.cpp.
   template <class Stream>
