@@ -11,13 +11,14 @@
 #include "runtime/contact/contact.hpp"
 #include "runtime/contact/delassus_operator.hpp"
 #include "runtime/contact/dense_contact_operator.hpp"
-#include "runtime/contact/frictional_contact.hpp"
 #include "tests/bench/liver.hpp"
 #include "tests/bench/row.hpp"
+#include "tests/support/frictional_contact.hpp"
 
 namespace {
 
 using namespace souple;
+using namespace souple::test;
 using namespace souple::bench;
 
 constexpr std::size_t contacts = 150;

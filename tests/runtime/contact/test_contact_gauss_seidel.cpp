@@ -9,12 +9,14 @@
 #include "runtime/contact/accelerated_gauss_seidel.hpp"
 #include "runtime/contact/block_sparse_operator.hpp"
 #include "runtime/contact/dense_contact_operator.hpp"
-#include "runtime/contact/frictional_contact.hpp"
 #include "tests/runtime/contact/contact_samples.hpp"
 #include "tests/support/allocation_count.hpp"
+#include "tests/support/frictional_contact.hpp"
 
 namespace souple {
 namespace {
+
+using namespace test;
 
 using test::allocation_count;
 using test::DenseProblem;

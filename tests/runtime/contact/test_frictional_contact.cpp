@@ -4,10 +4,12 @@
 #include <Eigen/Dense>
 #include <random>
 
-#include "runtime/contact/frictional_contact.hpp"
+#include "tests/support/frictional_contact.hpp"
 
 namespace souple {
 namespace {
+
+using namespace test;
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <random>
 
-#include "runtime/contact/frictional_contact.hpp"
 #include "tests/support/allocation_count.hpp"
 #include "tests/support/box_mesh.hpp"
 #include "tests/support/dense_compliance.hpp"
+#include "tests/support/frictional_contact.hpp"
 #include "tests/support/tool_scenes.hpp"
 
 namespace souple {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "runtime/contact/frictional_contact.hpp"
+#include "tests/support/frictional_contact.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-namespace souple {
+namespace souple::test {
 namespace {
 
 // W as it stands, its columns contiguous.
@@ -80,4 +80,4 @@ double cone_violation(std::span<const double> friction, std::span<const double> 
   return largest > 0 ? violation / largest : 0;
 }
 
-}  // namespace souple
+}  // namespace souple::test

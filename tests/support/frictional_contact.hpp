@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The nonlinear complementarity problem of Signorini's and Coulomb's laws on the exact cone.
+// A reference for small problems: the nonlinear complementarity problem of Signorini's and Coulomb's
+// laws on the exact cone.
 #pragma once
 #include <cstddef>
 #include <span>
 
 #include "runtime/contact/contact_gauss_seidel.hpp"
 
-namespace souple {
+namespace souple::test {
 
 /// Find r and u = W r + q with, for every contact, 0 <= u_n, 0 <= r_n, u_n r_n = 0; |r_t| <= mu r_n;
 /// and r_t = -mu r_n u_t / |u_t| where u_t != 0. Rows per contact: normal, two tangential. u is a gap
@@ -32,4 +33,4 @@ double natural_map_residual(const FrictionalContactProblem& problem, std::span<c
 /// max over contacts of max(|r_t| - mu r_n, -r_n), relative to the largest |r|; 0 without forces.
 double cone_violation(std::span<const double> friction, std::span<const double> force);
 
-}  // namespace souple
+}  // namespace souple::test
