@@ -303,11 +303,11 @@ class ShapeSweep {
     const double length = shape_.half_length_m, radius = shape_.radius_m;
     switch (shape_.kind) {
       case RigidShapeKind::sphere:
-        sweep_point(Vec3::Zero(), radius, first_point, Vec3::Zero());
+        sweep_point(Vec3::Zero(), radius, first_point);
         break;
       case RigidShapeKind::capsule:
-        sweep_point({0, 0, -length}, radius, first_point, Vec3::Zero());
-        sweep_point({0, 0, length}, radius, first_point + 1, Vec3::Zero());
+        sweep_point({0, 0, -length}, radius, first_point);
+        sweep_point({0, 0, length}, radius, first_point + 1);
         sweep_segment({0, 0, -length}, {0, 0, length}, radius, capsule_side);
         break;
       case RigidShapeKind::box:
@@ -358,15 +358,14 @@ class ShapeSweep {
 
   Path path_of(const Vec3& local) const { return {carried(local, start_), carried(local, end_)}; }
 
-  // A point of the shape with a ball around it; `outward` as the shape has it there, or zero.
-  void sweep_point(const Vec3& local, double radius, Index feature, const Vec3& outward) {
+  // A point of the shape with a ball around it.
+  void sweep_point(const Vec3& local, double radius, Index feature) {
     const Path point = path_of(local);
     std::optional<SweptPair> first;
     for_leaves_near(path_box(std::array{point}, radius), [&](const SurfaceTree::TreeNode& leaf) {
       for (const Index t : m_.s.tree().leaf_triangles(leaf)) {
         const auto meeting = point_meets_triangle(point, m_.triangle(t), radius, alarm_);
         if (!meeting || (first && meeting->time >= first->time)) continue;
-        if (meeting->direction.dot(start_.rotation * outward) > same_side_cosine) continue;
         first.emplace();
         first->time = meeting->time;
         first->end_depth = meeting->end_depth;
@@ -408,7 +407,7 @@ class ShapeSweep {
   void sweep_box() {
     const RigidPlacement own;
     const PlacedBox box(shape_, own);
-    for (int k = 0; k < 8; ++k) sweep_point(box.corner(k), 0, first_point + k, box.corner_normal(k));
+    for (int k = 0; k < 8; ++k) sweep_point(box.corner(k), 0, first_point + k);
     for (int k = 0; k < 12; ++k) sweep_segment(box.edge(k).from, box.edge(k).to, 0, first_box_edge + k);
   }
 
