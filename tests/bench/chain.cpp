@@ -53,6 +53,10 @@ void set_velocities(Chain& chain, double speed) {
   }
 }
 
+void take_state(Chain& chain, const Chain& other) {
+  if (auto status = chain.built.world.copy_state(other.built.world); !status) exit_with(status.issue());
+}
+
 /// Of the fixed link on the elastic one, N.
 Vec3 holding_force(const Chain& chain) {
   Vec3 sum = Vec3::Zero();
@@ -65,36 +69,49 @@ Vec3 holding_force(const Chain& chain) {
 
 /// A way to move that is held against the exact one.
 struct Rival {
+  Rival(std::string row_end, Chain made, bool shares)
+      : row(std::move(row_end)), chain(std::move(made)), shares_history(shares) {}
+
   std::string row;  ///< its rows end with this
   Chain chain;
+  bool shares_history;  ///< begins every step where the exact one does
   PhaseRows times;
   double error_largest = 0;
+  std::vector<double> errors;  ///< of the steps with contacts
 };
 
 constexpr double hair_m_s = 1e-7;
 
-/// Warped with 1, 2 and 4 contact passes; and exact, a hair off at the start: what the motion itself
-/// makes of a difference that is none.
-std::vector<Rival> make_rivals(const std::string& name, double friction) {
-  std::vector<Rival> rivals;
-  for (const int passes : {1, 2, 4})
-    rivals.push_back({".passes_" + std::to_string(passes),
-                      make_chain(name, ContactMethod::warped, passes, friction),
-                      {}});
-  rivals.push_back({".exact_hair_off", make_chain(name, ContactMethod::exact, 1, friction), {}});
-  set_velocities(rivals.back().chain, hair_m_s);
-  return rivals;
+/// Warped with 1, 2 and 4 contact passes.
+void add_warped(const std::string& name, double friction, bool shares_history,
+                std::vector<Rival>& rivals) {
+  for (const int passes : {1, 2, 4}) {
+    const std::string row = (shares_history ? ".same_history.passes_" : ".passes_");
+    rivals.emplace_back(row + std::to_string(passes),
+                        make_chain(name, ContactMethod::warped, passes, friction), shares_history);
+  }
 }
 
-/// All start alike and each goes on by itself.
+/// Exact, a hair off at the start: what the motion itself makes of a difference that is none.
+void add_hair_off(const std::string& name, double friction, std::vector<Rival>& rivals) {
+  rivals.emplace_back(".exact_hair_off", make_chain(name, ContactMethod::exact, 1, friction), false);
+  set_velocities(rivals.back().chain, hair_m_s);
+}
+
+/// All start alike; those that do not share its history go on by themselves.
 void compare(const std::string& name, int steps) {
   Chain exact = make_chain(name, ContactMethod::exact, 1, 0.4);
-  std::vector<Rival> rivals = make_rivals(name, 0.4);
+  std::vector<Rival> rivals;
+  add_warped(name, 0.4, false, rivals);
+  add_warped(name, 0.4, true, rivals);
+  add_hair_off(name, 0.4, rivals);
   const Points rest =
       as_matrix(exact.built.world.asset(exact.first_elastic()).model().rest_positions());
   PhaseRows exact_times;
   double largest = 0;
   for (int k = 0; k < steps; ++k) {
+    for (Rival& rival : rivals)
+      if (rival.shares_history) take_state(rival.chain, exact);
     const StepReport e = step_or_exit(exact.scene, exact.built);
     if (e.contact_count > 0) exact_times.add(e);
     const bool is_largest = e.elastic_energy_j > largest;
@@ -102,7 +119,9 @@ void compare(const std::string& name, int steps) {
     for (Rival& rival : rivals) {
       const StepReport r = step_or_exit(rival.chain.scene, rival.chain.built);
       if (r.contact_count > 0) rival.times.add(r);
-      if (is_largest) rival.error_largest = shape_error(rival.chain.shape(), exact.shape(), rest);
+      if (e.contact_count == 0) continue;
+      rival.errors.push_back(100 * shape_error(rival.chain.shape(), exact.shape(), rest));
+      if (is_largest) rival.error_largest = rival.errors.back();
     }
   }
   ResultHash hash;
@@ -113,9 +132,9 @@ void compare(const std::string& name, int steps) {
   print_row(name + ".compliance_ratio", "1",
             median(exact_times.compliance_s()) / median(warped.times.compliance_s()), hash);
   for (const Rival& rival : rivals) {
-    print_row(name + ".shape_error_largest" + rival.row, "%", 100 * rival.error_largest, hash);
-    print_row(name + ".shape_error_final" + rival.row, "%",
-              100 * shape_error(rival.chain.shape(), exact.shape(), rest), hash);
+    print_row(name + ".shape_error_largest" + rival.row, "%", rival.error_largest, hash);
+    print_row(name + ".shape_error_final" + rival.row, "%", rival.errors.back(), hash);
+    print_row(name + ".shape_error_steps" + rival.row, "%", rival.errors, hash);
   }
 }
 
@@ -155,10 +174,10 @@ void compare_rest() {
   const std::string name = "chain3_vertical";
   Chain exact = make_chain(name, ContactMethod::exact, 1, 0);
   settle(exact, near_rest);
-  std::vector<Rival> rivals = make_rivals(name, 0);
-  for (Rival& rival : rivals)
-    if (auto status = rival.chain.built.world.copy_state(exact.built.world); !status)
-      exit_with(status.issue());
+  std::vector<Rival> rivals;
+  add_warped(name, 0, false, rivals);
+  add_hair_off(name, 0, rivals);
+  for (Rival& rival : rivals) take_state(rival.chain, exact);
   set_velocities(rivals.back().chain, hair_m_s);
   const MeanRest truth = rest_of(exact, steps, counted);
   const auto& asset = exact.built.world.asset(exact.first_elastic());
