@@ -70,7 +70,7 @@ bool SoftBody::may_rest() const {
 void SoftBody::stop() {
   v.setZero();
   motion.setZero();
-  warping_defect.setZero();
+  owed = {};
   history.valid = false;
 }
 

@@ -40,6 +40,11 @@ struct Stabilisation {
   double relaxation = 1;  ///< >= 1: multiplies the warped compliance
 };
 
+/// The rigid motion that warped contact forces owe a body: m/s and rad/s.
+struct OwedVelocity {
+  Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+};
+
 /// State and work space of one soft body; everything is allocated when it is made.
 struct SoftBody {
   SoftBody(std::shared_ptr<const SoftBodyAsset> shared, std::string name);
@@ -69,11 +74,12 @@ struct SoftBody {
   SolveReport solve_from_motion(double time_step_s, const FreeMotionSettings& settings);
   /// Takes over `motion`. `struck`: contacts changed it from the free motion by an impulse.
   void take_motion(const StepRule& rule, bool struck);
-  /// Sets `warping_defect` to what `motion` leaves of A dx = b + f, of contact forces f in
-  /// `rest_frame`.
-  void measure_warping_defect();
-  /// What the defect gave in the motion, J, if the forces in `rest_frame` were an impact; else 0.
-  double energy_of_warping(double time_step_s) const;
+  /// Of contact forces f in `rest_frame`: makes of them f + b - A dx, what warping leaves of the
+  /// equations of `motion`. Uses `load` up.
+  void find_warping_defect();
+  /// Gives part of the momentum and the spin of the defects so far, that in `rest_frame` the last, to a
+  /// body that nothing holds.
+  void give_back_momentum(double time_step_s);
   void remove_kinetic_energy(double energy_j);
   void take_history(const SoftBody& other, bool same_step);
   /// Whether nothing but contacts can end its rest: no driven nodes, no load that changes in time.
@@ -110,9 +116,9 @@ struct SoftBody {
   Eigen::VectorXd prescribed;    ///< 3n: dx of driven nodes in this step, else 0; empty: none driven
   StepHistory history;           ///< sized for BDF2 only
   Stabilisation stabilisation;
-  Eigen::VectorXd warping_defect;  ///< 3n, N: what the next step gives back; empty without compliance
-  Eigen::VectorXd rest_frame;      ///< 3n: scratch; of the correction in the rest frame
-  Eigen::VectorXd work;            ///< exact contact
+  OwedVelocity owed;                  ///< see warping_defect.cpp
+  Eigen::VectorXd rest_frame;         ///< 3n: scratch; of the correction in the rest frame
+  Eigen::VectorXd work;               ///< exact contact
   std::vector<float> extension_work;  ///< warped contact
   std::vector<Mat3> element_rotations, node_rotations;
   CornerVectors gradients, corner_forces;  ///< of the elements, rotated; scratch of a step

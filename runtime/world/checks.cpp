@@ -223,7 +223,6 @@ Status prepare_contact_method(SoftBody& body, const WorldSettings& settings,
   }
   body.compliance_scale = body.compliance->header.stiffness_factor / factors.stiffness;
   body.extension_work.resize(body.compliance->extension.work_size());
-  body.warping_defect.setZero(3 * Eigen::Index(model.node_count()));
   return {};
 }
 

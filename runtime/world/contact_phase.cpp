@@ -285,6 +285,10 @@ double World::State::change_norm() const {
   return Eigen::Map<const Eigen::VectorXd>(change.data(), Eigen::Index(change.size())).norm();
 }
 
+double World::State::force_norm() const {
+  return Eigen::Map<const Eigen::VectorXd>(force.data(), Eigen::Index(force.size())).norm();
+}
+
 // One contact solve; more where its correction closes contacts that were put off.
 Status World::State::solve_pass(StepReport& report, PhaseClock& clock) {
   constexpr int most_rounds = 4;
@@ -308,6 +312,7 @@ Status World::State::solve_pass(StepReport& report, PhaseClock& clock) {
 Status World::State::solve_contacts(StepReport& report, PhaseClock& clock) {
   if (auto status = build_delassus(); !status) return status;
   included = applied;
+  constexpr double settled = 1e-3;  // of the forces: warping errs by a share of their change alone
   double last_change = std::numeric_limits<double>::infinity();
   for (int pass = 0; pass < settings.contact_passes; ++pass) {
     if (pass > 0) {
@@ -316,7 +321,7 @@ Status World::State::solve_contacts(StepReport& report, PhaseClock& clock) {
     }
     if (auto status = solve_pass(report, clock); !status) return status;
     // Where the true compliance is more than twice the warped one, passes overshoot.
-    if (pass > 0 && change_norm() > last_change) break;
+    if (change_norm() <= settled * force_norm() || (pass > 0 && change_norm() > last_change)) break;
     last_change = pass > 0 ? change_norm() : last_change;
   }
   report.island_count = islands.count();
@@ -356,23 +361,18 @@ void World::State::choose_relaxation(std::uint32_t index) {
 // the order of h and falls below any share, in an impact it does not. Both that are wrongly taken for
 // the other are harmless: what is smooth then loses an order, and what is an impulse of so small a
 // share bounces by as little.
-double World::State::changed_share(std::uint32_t index) const {
-  double total = 0, changed = 0;
-  for (const std::uint32_t i : contacts_of_body[index]) {
-    total += at(force, i).squaredNorm();
-    changed += (at(force, i) - at(applied, i)).squaredNorm();
-  }
-  if (total > 0) return changed / total;
-  return changed > 0 ? std::numeric_limits<double>::infinity() : 0;
-}
-
 void World::State::find_struck_bodies() {
   constexpr double share = 0.05;
   for (const auto index : awake_soft) {
     BodyStep& result = body_steps[index];
     result.struck = false;
     if (settings.integrator != Integrator::bdf2) continue;
-    result.struck = changed_share(index) > share * share;
+    double total = 0, changed = 0;
+    for (const std::uint32_t i : contacts_of_body[index]) {
+      total += at(force, i).squaredNorm();
+      changed += (at(force, i) - at(applied, i)).squaredNorm();
+    }
+    result.struck = changed > share * share * total;
   }
 }
 

@@ -106,7 +106,6 @@ void SoftBody::add_inertia(const StepRule& rule) {
             model.masses()[node] * (1 / h - model.rayleigh_mass_per_s()) * node_entry(v, node);
       break;
   }
-  if (warping_defect.size() > 0) load += warping_defect;
   prescribe_load(1);
 }
 

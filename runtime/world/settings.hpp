@@ -82,8 +82,8 @@ struct WorldSettings {
   bool feed_forward_forces = true;  ///< last step's forces enter the free motion (METHOD 4.2)
   /// Contact solves in a step, 1 to 20. Each further one first makes the motion exact for the forces so
   /// far with the present tangent, so that only what they still change is warped: the error of warping
-  /// shrinks with every pass, for the price of a solve. Under deep crush it may not: passes end when
-  /// the forces change more than in the pass before.
+  /// shrinks with every pass, for the price of a solve. Passes end early when the forces change by less
+  /// than a thousandth, as at rest; or by more than in the pass before, as under deep crush.
   int contact_passes = 1;
   /// Penalty method only: force over penetration, N/m of each contact; 0: m / h^2 of the lighter side.
   double penalty_stiffness_n_m = 0;

@@ -144,9 +144,10 @@ bool walk(Stream& s, SoftBody& body) {
   StepSolver::Memory solver = body.solver->memory();
   if (!walk(s, body.x) || !walk(s, body.v) || !s.local(&has_history, sizeof has_history) ||
       !s.state(&body.stabilisation.growing_steps, sizeof(int)) ||
-      !s.doubles(&body.stabilisation.relaxation, 1) || !walk(s, body.history.motion) ||
-      !walk(s, body.history.velocity) || !walk(s, body.warping_defect) ||
-      !s.local(&solver, sizeof solver) || !body.solver->may_recall(solver))
+      !s.doubles(&body.stabilisation.relaxation, 1) || !s.doubles(body.owed.linear.data(), 3) ||
+      !s.doubles(body.owed.angular.data(), 3) || !walk(s, body.history.motion) ||
+      !walk(s, body.history.velocity) || !s.local(&solver, sizeof solver) ||
+      !body.solver->may_recall(solver))
     return false;
   if constexpr (std::is_same_v<Stream, Reader>) {
     body.history.valid = has_history;

@@ -253,7 +253,7 @@ Status World::set_state(BodyId soft_body, std::span<const Point> positions,
     node_entry(body.v, Index(k)) = as_vec3(velocities[k]);
   }
   body.history.valid = false;
-  body.warping_defect.setZero();
+  body.owed = {};
   state_->wake_group(soft_body.index);
   state_->last_energy_j = std::numeric_limits<double>::quiet_NaN();
   return {};
@@ -274,10 +274,7 @@ Status World::copy_state(const World& other) {
     to.soft(index).x = from.soft(index).x;
     to.soft(index).v = from.soft(index).v;
     to.soft(index).stabilisation = from.soft(index).stabilisation;
-    if (to.soft(index).warping_defect.size() == from.soft(index).warping_defect.size())
-      to.soft(index).warping_defect = from.soft(index).warping_defect;
-    else
-      to.soft(index).warping_defect.setZero();
+    to.soft(index).owed = from.soft(index).owed;
     if (to.soft(index).solver->may_recall(from.soft(index).solver->memory()))
       to.soft(index).solver->recall(from.soft(index).solver->memory());
     to.soft(index).take_history(from.soft(index), to.settings.time_step_s == from.settings.time_step_s);

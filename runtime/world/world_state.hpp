@@ -49,6 +49,7 @@ struct BodyStep {
   bool sound = true;              ///< forces finite, tangent positive definite
   bool has_new_contacts = false;  ///< since the motion was last corrected
   bool struck = false;            ///< contacts changed the motion by an impulse; BDF2 only
+  bool is_warped = false;         ///< contact forces moved it by the warped compliance
   double warping_energy_j = 0;    ///< that the warped correction gave and the step takes back
   bool is_warping_wild = false;   ///< it gave more than half the kinetic energy before
   double kinetic_energy_j = 0, elastic_energy_j = 0, node_depth_m = 0, surface_depth_m = 0;
@@ -247,21 +248,18 @@ struct World::State {
   Status make_motion_exact(StepReport& report);
   Status solve_pass(StepReport& report, PhaseClock& clock);
   double change_norm() const;  ///< of the forces, in the last pass, N
+  double force_norm() const;
   Status solve_contacts(StepReport& report, PhaseClock& clock);
   void push_rigid_bodies(const std::vector<double>& forces);
   void apply_penalty();  ///< penalty.cpp
   void end_penalty();
   double mass_at(const Contact& contact) const;
   void choose_relaxation(std::uint32_t index);
-  /// Of the squared contact forces of a body: the share by which the motion's were changed in this
-  /// step.
-  double changed_share(std::uint32_t index) const;
   void find_struck_bodies();
   bool is_impact(std::uint32_t body) const;
   void remember_contacts();
   void measure_warping();
-  void judge_warping(std::uint32_t index);
-  bool gives_defect_back(std::uint32_t index) const;
+  void judge_warping(std::uint32_t index, double impact_j);
 
   /// Over all that the next step depends on, in one order; see snapshot.cpp.
   template <class Stream>

@@ -127,6 +127,9 @@ Status World::State::commit() {
   measure_warping();
   for (const auto index : awake_soft) {
     soft(index).take_motion(rule(), body_steps[index].struck);
+    // The past that BDF2 remembers would take a velocity that its motion does not show away again.
+    if (body_steps[index].is_warped && settings.integrator == Integrator::implicit_euler)
+      soft(index).give_back_momentum(settings.time_step_s);
     soft(index).remove_kinetic_energy(body_steps[index].warping_energy_j);
   }
   for_each_free_rigid([&](std::uint32_t index) { rigid(index).take_motion(settings.time_step_s); });
