@@ -91,11 +91,20 @@ class VertexSearch {
     return false;
   }
 
+  // A thin part that is crushed flat passes through itself: both its sides are as near, and one of them
+  // has the vertex inside.
+  bool is_contradicted(std::span<const VertexHit> hits, const PointMinimum& inside) const {
+    return std::ranges::any_of(hits, [&](const VertexHit& hit) {
+      return hit.minimum.gap > 0 && std::abs(hit.minimum.gap + inside.gap) <= beside_;
+    });
+  }
+
   // On an edge of the surface it winds by a quarter.
-  bool is_sure(Index v, const PointMinimum& inside) const {
+  bool is_sure(Index v, std::span<const VertexHit> hits, const PointMinimum& inside) const {
     constexpr double well_outside = 0.1;
-    return search_.is_self() || inside.gap >= -beside_ || !is_doubtful(inside.closest) ||
-           winding_number(y_, x_.position(v)) > well_outside;
+    if (search_.is_self() || inside.gap >= -beside_) return true;
+    if (!is_doubtful(inside.closest) && !is_contradicted(hits, inside)) return true;
+    return winding_number(y_, x_.position(v)) > well_outside;
   }
 
   // All hits of one vertex, the nearest first: it tells inside from outside, unless the vertex slides
@@ -109,7 +118,7 @@ class VertexSearch {
       return !is_other_side(hits, hit.minimum) &&
              (hit.minimum.gap < 0 || hit.minimum.gap > beside_ || faces(normal, hit.minimum));
     });
-    if (judged == hits.end() || (judged->minimum.gap < 0 && is_sure(v, judged->minimum))) {
+    if (judged == hits.end() || (judged->minimum.gap < 0 && is_sure(v, hits, judged->minimum))) {
       judge_inside(v, normal, hits);
     } else {
       judge_outside(v, normal, hits);
@@ -181,6 +190,11 @@ class VertexSearch {
       if (!work_.touched.has(static_cast<Index>(c))) work_.open.push_back(firsts[c]);
   }
 
+  // The nearest side may be the back of a thin part that passes through itself.
+  bool is_swallowed(const Vec3& point) const {
+    return is_inside(y_, point) && winding_number(y_, point) > 0.5;
+  }
+
   // Vertices inside that are farther than the alarm distance from the surface hang together with others
   // inside, or with edges that pass through it.
   void flood() {
@@ -188,7 +202,7 @@ class VertexSearch {
       const Index v = work_.open.back();
       work_.open.pop_back();
       if (!work_.seen.set(v, 1)) continue;
-      if (!search_.is_self() && !is_inside(y_, x_.position(v))) continue;
+      if (!search_.is_self() && !is_swallowed(x_.position(v))) continue;
       if (!add_deep(v, x_.normal_of_vertex(v), {}) && search_.is_self()) continue;
       for (const Index next : x_.topology().ring(v))
         if (!work_.seen.has(next)) work_.open.push_back(next);

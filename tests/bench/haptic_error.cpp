@@ -3,6 +3,8 @@
 // from the state that the problem was made from: over rates of the physics and speeds of the hand.
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "tests/bench/haptic_scene.hpp"
 #include "tests/bench/line_plot.hpp"
@@ -28,12 +30,24 @@ Vec3 force_on_tool(const World& world, const Tool& tool) {
 struct Errors {
   std::vector<double> lawful, sent;  ///< relative, the force at least a twentieth of the largest
   double largest_step = 0;           ///< of the force sent, over the largest force
+  /// Of the true force where one problem takes over from another, the hand where it is, over the
+  /// largest.
+  std::vector<double> jumps;
   ResultHash hash;
 };
 
 struct Sampled {
   Vec3 lawful, sent, truth;
 };
+
+Vec3 true_force(GripScene& reference, const std::vector<std::byte>& state, const DeviceSample& hand) {
+  if (auto status = reference.world.restore(state); !status) exit_with(status.issue());
+  const Tool& tool = reference.channel.tool();
+  if (auto status = tool.move(reference.world, hand.pose, hand.opening_rad); !status)
+    exit_with(status.issue());
+  value_or_exit(reference.world.step());
+  return force_on_tool(reference.world, tool);
+}
 
 Errors measure(const std::shared_ptr<const SoftBodyAsset>& liver, double h, double speed,
                double seconds) {
@@ -45,11 +59,18 @@ Errors measure(const std::shared_ptr<const SoftBodyAsset>& liver, double h, doub
   GripScene scene = GripScene::make(liver, settings), reference = GripScene::make(liver, settings);
   scene.grip();
   std::vector<Sampled> samples;
+  std::vector<double> jumps;
+  std::vector<std::byte> last_state;
   double time = 0, largest = 0, step = 0;
   Vec3 last = as_vec3(scene.tick(tick_s, probing_hand(0, 0)).force_n);
   const int ticks = int(std::lround(h / tick_s)), every = std::max(1, ticks / 4);
   while (time < seconds) {
-    const auto before = scene.world.snapshot();
+    const std::vector<std::byte> state = scene.world.snapshot();
+    if (!last_state.empty()) {
+      const DeviceSample hand = probing_hand(time, speed);
+      jumps.push_back(
+          (true_force(reference, state, hand) - true_force(reference, last_state, hand)).norm());
+    }
     scene.physics_step();
     for (int k = 0; k < ticks; ++k) {
       time += tick_s;
@@ -59,16 +80,13 @@ Errors measure(const std::shared_ptr<const SoftBodyAsset>& liver, double h, doub
       last = sent;
       largest = std::max(largest, sent.norm());
       if (k % every != every / 2) continue;
-      if (auto status = reference.world.restore(before); !status) exit_with(status.issue());
-      const Tool& tool = reference.channel.tool();
-      if (auto status = tool.move(reference.world, hand.pose, hand.opening_rad); !status)
-        exit_with(status.issue());
-      value_or_exit(reference.world.step());
       samples.push_back(
-          {as_vec3(scene.channel.lawful_wrench().force_n), sent, force_on_tool(reference.world, tool)});
+          {as_vec3(scene.channel.lawful_wrench().force_n), sent, true_force(reference, state, hand)});
     }
+    last_state = state;
   }
   Errors errors;
+  for (const double jump : jumps) errors.jumps.push_back(jump / largest);
   for (const Sampled& s : samples) {
     const double size = std::max(s.truth.norm(), 0.05 * largest);
     errors.lawful.push_back((s.lawful - s.truth).norm() / size);
@@ -88,6 +106,8 @@ void print_target(const Errors& e) {
   row("sent_median", median(e.sent));
   row("sent_p99", quantile(e.sent, 0.99));
   row("largest_step", e.largest_step);
+  row("truth_jump", median(e.jumps));
+  row("truth_jump_p99", quantile(e.jumps, 0.99));
 }
 
 }  // namespace

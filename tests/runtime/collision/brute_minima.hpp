@@ -145,6 +145,17 @@ inline std::vector<BruteFoot> brute_feet(const BruteSurface& s, const Vec3& p, d
   return feet;
 }
 
+/// How often the surface winds around `p`: its solid angles over 4 pi.
+inline double brute_winding(const BruteSurface& s, const Vec3& p) {
+  double sum = 0;
+  for (const auto& c : s.triangles) {
+    const Vec3 a = (s.at(c[0]) - p).normalized(), b = (s.at(c[1]) - p).normalized(),
+               d = (s.at(c[2]) - p).normalized();
+    sum += 2 * std::atan2(a.dot(b.cross(d)), 1 + a.dot(b) + b.dot(d) + d.dot(a));
+  }
+  return sum / (4 * M_PI);
+}
+
 inline void brute_vertices(const BruteSurface& x, const BruteSurface& y, bool flipped, double alarm,
                            double reach, std::vector<BrutePair>& out) {
   for (std::size_t v = 0; v < x.vertices.size(); ++v) {
@@ -159,9 +170,18 @@ inline void brute_vertices(const BruteSurface& x, const BruteSurface& y, bool fl
     const auto judge = std::ranges::find_if(feet, [&](const BruteFoot& f) {
       return !on_other_side(f) && (f.gap < 0 || f.gap > beside || f.normal.dot(own) <= 0.3);
     });
+    // Of a surface that is folded there, or passes through itself, the nearest foot may be wrong.
+    const auto is_doubtful = [&](const BruteFoot& f) {
+      return f.gap < -beside && (std::size_t(f.feature) < y.vertices.size() ||
+                                 std::ranges::any_of(feet, [&](const BruteFoot& other) {
+                                   return other.gap > 0 && std::abs(other.gap + f.gap) <= beside;
+                                 }));
+    };
+    const bool is_inside =
+        judge == feet.end() || (judge->gap < 0 && !(is_doubtful(*judge) && brute_winding(y, p) <= 0.1));
     std::vector<BruteFoot> kept;
     for (const BruteFoot& foot : feet) {
-      if (judge == feet.end() || judge->gap < 0) {
+      if (is_inside) {
         if (foot.gap > beside || foot.normal.dot(own) > 0.3 || on_other_side(foot)) continue;
         if (-foot.gap <= reach) kept.push_back(foot);
         break;

@@ -158,6 +158,16 @@ TEST(LocalMinima, ThinPlatesThatEnterEachOtherArePushedBackTheWayTheyCame) {
   }
 }
 
+TEST(LocalMinima, ABodyBesideAPlateCrushedThroughItselfIsNotInIt) {
+  Body plate({4, 4, 1}, {1, 1, 0.02}), tile({2, 2, 1}, {0.4, 0.4, 0.02});
+  plate.place(Vec3(1, 1, -1e-4).asDiagonal(), {0.013, 0.011, 0});
+  for (const double side : {-1.0, 1.0}) {
+    tile.place(Mat3::Identity(), {0, 0, side * 0.05});
+    for (const double alarm : {0.02, 0.1})
+      for (const auto& m : minima(tile, plate, alarm, 0.3)) EXPECT_GT(m.gap, 0) << side << ' ' << alarm;
+  }
+}
+
 TEST(LocalMinima, AFingerInAForkMeetsEachProngOnItsOwnSide) {
   Body prong({1, 2, 2}, {0.05, 1, 1}), finger({1, 2, 2}, {0.1, 0.6, 0.6});
   finger.place(Mat3::Identity(), {0.09, 0.01, 0.02});  // right of a prong of half width 0.025
