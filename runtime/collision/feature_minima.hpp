@@ -10,6 +10,9 @@ namespace souple {
 
 // A pair whose normals point the same way joins the back of a thin part to the front of another.
 inline constexpr double same_side_cosine = 0.3;
+// A vertex that has entered by a side that it hardly faces; its own sides, at the corner of a box, make
+// 0.58 with its normal.
+inline constexpr double grazing_cosine = 0.55;
 // Normals of two sides of a thin part, rather than of sides that meet at an edge.
 inline constexpr double other_side_cosine = -0.2;
 // To which part of its rest distance a surface may enter itself.

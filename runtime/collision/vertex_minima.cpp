@@ -127,12 +127,13 @@ class VertexSearch {
 
   void judge_inside(Index v, const Vec3& normal, std::span<const VertexHit> hits) {
     for (const Index next : x_.topology().ring(v)) work_.open.push_back(next);
-    for (const VertexHit& hit : hits) {
-      const PointMinimum& m = hit.minimum;
-      if (m.gap > beside_ || !faces(normal, m) || is_other_side(hits, m)) continue;
-      if (-m.gap <= search_.inside_reach) emit(v, m);
-      return;
-    }
+    for (const double limit : {same_side_cosine, grazing_cosine})
+      for (const VertexHit& hit : hits) {
+        const PointMinimum& m = hit.minimum;
+        if (m.gap > beside_ || m.normal.dot(normal) > limit || is_other_side(hits, m)) continue;
+        if (-m.gap <= search_.inside_reach) emit(v, m);
+        return;
+      }
     if (search_.inside_reach > search_.alarm_distance) add_deep(v, normal, hits);
   }
 

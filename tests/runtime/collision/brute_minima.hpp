@@ -180,12 +180,21 @@ inline void brute_vertices(const BruteSurface& x, const BruteSurface& y, bool fl
     const bool is_inside =
         judge == feet.end() || (judge->gap < 0 && !(is_doubtful(*judge) && brute_winding(y, p) <= 0.1));
     std::vector<BruteFoot> kept;
+    if (is_inside) {
+      // Near sides that it hardly faces come before deep ones that it faces.
+      const auto way_out = [&](double nearest, double farthest, double limit) {
+        return std::ranges::find_if(feet, [&](const BruteFoot& f) {
+          return f.gap <= beside && std::abs(f.gap) >= nearest && std::abs(f.gap) <= farthest &&
+                 f.normal.dot(own) <= limit && !on_other_side(f);
+        });
+      };
+      auto way = way_out(0, alarm, 0.3);
+      if (way == feet.end()) way = way_out(0, alarm, 0.55);
+      if (way == feet.end()) way = way_out(alarm, 1e9, 0.3);
+      if (way != feet.end() && -way->gap <= reach) kept.push_back(*way);
+    }
     for (const BruteFoot& foot : feet) {
-      if (is_inside) {
-        if (foot.gap > beside || foot.normal.dot(own) > 0.3 || on_other_side(foot)) continue;
-        if (-foot.gap <= reach) kept.push_back(foot);
-        break;
-      }
+      if (is_inside) break;
       if (foot.gap < 0 || foot.gap > alarm || foot.normal.dot(own) > 0.3) continue;
       bool least =
           foot.gap <= alarm / 4 && std::size_t(foot.feature) >= y.vertices.size() + y.edges.size();
