@@ -116,6 +116,15 @@ HapticChannel::~HapticChannel() = default;
 const Tool& HapticChannel::tool() const { return state_->tool; }
 const HapticSettings& HapticChannel::settings() const { return state_->settings; }
 HapticTelemetry HapticChannel::telemetry() const { return state_->counters.read(); }
+void HapticChannel::set_limits(const DeviceLimits& limits) {
+  DeviceLimits safe = limits;
+  for (double DeviceLimits::*limit :
+       {&DeviceLimits::force_n, &DeviceLimits::torque_nm, &DeviceLimits::opening_nm,
+        &DeviceLimits::force_slew_n_s, &DeviceLimits::torque_slew_nm_s})
+    if (!(safe.*limit >= 0)) safe.*limit = 0;
+  state_->shaper.set_limits(safe);
+}
+
 Wrench HapticChannel::lawful_wrench() const { return state_->lawful; }
 double HapticChannel::residual() const { return state_->last_residual; }
 

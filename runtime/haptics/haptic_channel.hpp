@@ -46,6 +46,9 @@ class HapticChannel {
   Wrench tick(const DeviceSample& sample);
   /// The device has nothing new: the same at the last pose that was believed, a tick later.
   Wrench tick();
+  /// What the device declares from now on; the rate stays that of the settings. A limit that is no
+  /// number or below zero is taken for zero.
+  void set_limits(const DeviceLimits& limits);
   /// Of the last tick, before limits, hand-over and fading: what the laws alone say.
   Wrench lawful_wrench() const;
   /// Residual of the laws after the last tick (natural map over the norm of the forces).

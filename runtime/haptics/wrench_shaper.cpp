@@ -86,6 +86,16 @@ void WrenchShaper::fade(double passed_s) {
   }
 }
 
+// What was sent last counts as within them: the slew would else hold the force beyond.
+void WrenchShaper::set_limits(const DeviceLimits& limits) {
+  settings_.limits = limits;
+  Vec3 force = as_vec3(sent_.force_n), torque = as_vec3(sent_.torque_nm);
+  cut(force, Vec3::Zero(), limits.force_n);
+  cut(torque, Vec3::Zero(), limits.torque_nm);
+  sent_.force_n = as_point(force);
+  sent_.torque_nm = as_point(torque);
+}
+
 // Largest values first, then the slew: what it leaves lies between two wrenches within the limits.
 Wrench WrenchShaper::limit(const Wrench& wrench, double passed_s) {
   const DeviceLimits& most = settings_.limits;

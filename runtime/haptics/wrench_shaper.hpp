@@ -19,6 +19,9 @@ class WrenchShaper {
   /// A tick of `passed_s` later. `alive`: physics still publishes.
   Wrench shape(const Wrench& lawful, double passed_s, bool alive);
 
+  /// From the next wrench on.
+  void set_limits(const DeviceLimits& limits);
+
   bool was_limited() const { return was_limited_; }
 
  private:

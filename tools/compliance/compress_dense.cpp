@@ -189,7 +189,9 @@ Result<HodlrMatrix> compress_dense(const SymmetricSource& source, std::span<cons
     const std::size_t so_far = ++done;
     if (worker == 0 && options.progress) options.progress(double(so_far) / double(items.size()));
   });
-  if (cancelled) return make_issue(IssueCode::interrupted, "the compression was stopped");
+  // Whatever worker 0 had time to ask.
+  if (cancelled || (options.cancelled && options.cancelled()))
+    return make_issue(IssueCode::interrupted, "the compression was stopped");
   if (!ok)
     return make_issue(IssueCode::compliance_factorisation_failed,
                       "a block of the compliance could not be decomposed");

@@ -103,6 +103,8 @@ void ProbeRun::wait_for_tick() {
 void ProbeRun::tick() {
   if (udp_ != nullptr) wait_for_tick();
   const bool is_new = device_->read(sample_);
+  // A program may declare them at any time, or anew.
+  if (udp_ != nullptr) channel_.set_limits(narrower(probe_.haptics.limits, device_->limits()));
   wrench_ = is_new ? channel_.tick(sample_) : channel_.tick();
   if (passivity_ && is_new) wrench_ = passivity_->control(sample_, wrench_);
   device_->write(wrench_);
