@@ -276,7 +276,9 @@ Wrench HapticChannel::State::tick(const DeviceSample* sample) {
     for (std::size_t jaw = 0; jaw < tool.jaw_count(); ++jaw)
       poses[jaw] = tool.jaw_pose(jaw, handle, hand.opening_rad);
     if (!solver.move_to(poses, settings.reach_m)) counters.clamped_ticks.add(1);
-    solve(bounded ? deadline - std::min(closing, budget / 4) : deadline);
+    // Kept: for what follows the solver as long as it lately took, and a fiftieth for what the last
+    // look at the clock does not see.
+    solve(bounded ? deadline - std::min(closing, budget / 4) - budget / 50 : deadline);
     solved = ToolSolver::Clock::now();
     lawful = wrench(handle, poses);
   } else {

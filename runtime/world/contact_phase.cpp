@@ -174,6 +174,7 @@ ContactSolveReport solve_rows(Operator& rows, std::span<const ConstraintLaw> law
 }
 
 // Sweeps over all contacts find which ones bear forces, and verify; those between are over these alone.
+// A core that is not solved by half of the sweeps left is chosen anew, for as long as there are any.
 ContactSolveReport solve_by_core(IslandOperator& rows, const ContactSolverSettings& settings,
                                  IslandWork& work) {
   constexpr int most_rounds = 8, finding_sweeps = 8;
@@ -188,17 +189,18 @@ ContactSolveReport solve_by_core(IslandOperator& rows, const ContactSolverSettin
   for (int round = 0; round < most_rounds && rest.max_sweeps > finding_sweeps; ++round) {
     ContactSolverSettings finding = rest;
     finding.max_sweeps = finding_sweeps;
-    const ContactSolveReport found =
+    ContactSolveReport found =
         count(solve_by_gauss_seidel(rows, work.laws, finding, work.force, work.solver.sweeps));
+    if (found.converged) return found;
+    found.residual = unsolved_part(rows, work.solver.sweeps.laws, work.force, settings);
+    found.converged = round > 0 && found.residual <= settings.tolerance;
     if (found.converged) return found;
     ActiveCore& core = work.core;
     if (!core.take(rows, work.laws, work.force)) break;
     ContactSolverSettings half = rest;
     half.max_sweeps /= 2;
-    const ContactSolveReport solved = count(
-        solve_rows(core.rows(), core.laws(), half, core.force(), core.solver(), most_plain_sweeps));
+    count(solve_rows(core.rows(), core.laws(), half, core.force(), core.solver(), most_plain_sweeps));
     core.give_back(work.force);
-    if (!solved.converged) break;
   }
   return count(
       solve_rows(rows, work.laws, rest, work.force, work.solver, most_plain_sweeps - finding_sweeps));

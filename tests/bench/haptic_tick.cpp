@@ -124,8 +124,7 @@ int simulate(char** arguments) {
 int run_on_the_wall(char** arguments) {
   using Clock = std::chrono::steady_clock;
   const double seconds = std::atof(arguments[4]);
-  // Of the 200 us a tick may take; the rest is for the sweep that passes the deadline.
-  const Case c = make_case(arguments, 185e-6);
+  const Case c = make_case(arguments, 200e-6);
   GripScene scene = gripped(c);
   std::atomic<bool> done{false};
   std::vector<double> ticks;
