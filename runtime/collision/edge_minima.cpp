@@ -37,6 +37,15 @@ SurfacePoint edge_point(const DeformedSurface& s, Index edge, double along) {
   return {2, {s.topology().nodes[ends[0]], s.topology().nodes[ends[1]], 0}, {1 - along, along, 0}};
 }
 
+// Of any edge, without a cone.
+Ridge bare_edge(const DeformedSurface& s, Index edge) {
+  const auto& [ends, triangles] = s.topology().edges[edge];
+  Vec3 outward = Vec3::Zero();
+  for (const Index t : triangles)
+    if (t >= 0) outward += s.face_normal(t);
+  return {s.position(ends[0]), s.position(ends[1]), {}, outward.normalized()};
+}
+
 bool share_vertex(const CollisionTopology& topology, Index e, Index f) {
   const auto &p = topology.edges[e].vertex, &q = topology.edges[f].vertex;
   return p[0] == q[0] || p[0] == q[1] || p[1] == q[0] || p[1] == q[1];
@@ -76,7 +85,7 @@ class EdgeSearch {
     for (const Index e : in_b)
       for (const Index f : in_a)
         if (is_pair(e, f) && squared_distance(edge_box(a_, e), edge_box(b_, f)) <= radius2)
-          add(e, f, true);
+          add_piercing(e, f);
   }
 
  private:
@@ -94,7 +103,7 @@ class EdgeSearch {
         if (squared_distance(box, edge_box(b_, f)) > radius2) continue;
         // Of one surface the lower edge is A, whichever leaf it is in.
         const bool swap = search_.is_self() && pair.a != pair.b && f < e;
-        if (is_pair(swap ? f : e, swap ? e : f)) add(swap ? f : e, swap ? e : f, false);
+        if (is_pair(swap ? f : e, swap ? e : f)) add_shallow(swap ? f : e, swap ? e : f);
       }
     }
   }
@@ -103,22 +112,85 @@ class EdgeSearch {
   // many that do not.
   bool is_deep(double gap) const { return gap < -sure_part * search_.alarm_distance; }
 
-  void add(Index e, Index f, bool deep) {
+  void add_shallow(Index e, Index f) {
+    const auto found = minimum(e, f, [&](double gap) { return !is_deep(gap); });
+    if (found) search_.out->push_back(*found);
+  }
+
+  void add_piercing(Index e, Index f) {
+    auto found = minimum(e, f, [](double) { return true; });
+    if (found && !is_deep(found->gap)) return;  // known from the leaves
+    if (!found && !search_.is_self()) found = nick(e, f);
+    if (found) search_.out->push_back(*found);
+  }
+
+  template <class Predicate>
+  std::optional<LocalMinimum> minimum(Index e, Index f, const Predicate& is_wanted) {
     const Ridge* ridge_f = ridge_in(work_.ridges[1], b_, f);
     const Ridge* ridge_e = ridge_in(work_.ridges[0], a_, e);
-    if (!ridge_e || !ridge_f) return;
-    const auto minimum = edge_minimum(*ridge_e, *ridge_f);
-    if (!minimum || is_deep(minimum->gap) != deep) return;
-    if (minimum->gap > search_.alarm_distance || minimum->gap < -search_.inside_reach) return;
+    if (!ridge_e || !ridge_f) return {};
+    const auto least = edge_minimum(*ridge_e, *ridge_f);
+    if (!least || !is_wanted(least->gap) || !is_within_reach(least->gap)) return {};
+    const LocalMinimum found = local_minimum(e, f, *least);
+    if (!is_true(found, lens_point(*ridge_e, *ridge_f, *least))) return {};
+    return found;
+  }
+
+  bool is_within_reach(double gap) const {
+    return gap <= search_.alarm_distance && gap >= -search_.inside_reach;
+  }
+
+  LocalMinimum local_minimum(Index e, Index f, const EdgeMinimum& minimum) const {
     LocalMinimum found;
-    found.a = edge_point(a_, e, minimum->along_a);
-    found.b = edge_point(b_, f, minimum->along_b);
+    found.a = edge_point(a_, e, minimum.along_a);
+    found.b = edge_point(b_, f, minimum.along_b);
     found.feature_a = a_.tree().edge_feature(e);
     found.feature_b = b_.tree().edge_feature(f);
-    found.normal = minimum->normal;
-    found.point_b = ridge_f->from + minimum->along_b * (ridge_f->to - ridge_f->from);
-    found.gap = minimum->gap;
-    if (is_true(found, lens_point(*ridge_e, *ridge_f, *minimum))) search_.out->push_back(found);
+    found.normal = minimum.normal;
+    const auto& ends = b_.topology().edges[f].vertex;
+    const Vec3 from = b_.position(ends[0]);
+    found.point_b = from + minimum.along_b * (b_.position(ends[1]) - from);
+    found.gap = minimum.gap;
+    return found;
+  }
+
+  // Two edges that have cut right through each other, with no vertex inside: nothing else holds them
+  // apart, whatever the cones say (on ridges that are not convex all along). One of them may be flat:
+  // it is then held only from as deep as it may stand out unseen, or contacts would come and go.
+  std::optional<LocalMinimum> nick(Index e, Index f) {
+    const Ridge edge_a = bare_edge(a_, e), edge_b = bare_edge(b_, f);
+    const bool is_flat_a = !ridge_in(work_.ridges[0], a_, e);
+    const bool is_flat_b = !ridge_in(work_.ridges[1], b_, f);
+    if (is_flat_a && is_flat_b) return {};
+    if (!cuts_beside(a_, e, b_, f) || !cuts_beside(b_, f, a_, e)) return {};
+    const auto crossing = edge_crossing(edge_a, edge_b);
+    if (!crossing || crossing->gap >= 0 || !is_within_reach(crossing->gap)) return {};
+    LocalMinimum found = local_minimum(e, f, *crossing);
+    const Vec3 point_a = found.point_b + found.gap * found.normal;
+    for (const double share : between_edges) {
+      const Vec3 place = found.point_b + share * (point_a - found.point_b);
+      if (std::min(depth_inside(a_, place), depth_inside(b_, place)) <= -thin_part * found.gap)
+        return {};
+    }
+    if (!ends_outside(a_, e, b_) || !ends_outside(b_, f, a_)) return {};
+    if (is_flat_a) found.gap += flat_part * (edge_a.to - edge_a.from).norm();
+    if (is_flat_b) found.gap += flat_part * (edge_b.to - edge_b.from).norm();
+    return found;
+  }
+
+  // Whether an edge of x pierces a face beside an edge of y.
+  static bool cuts_beside(const DeformedSurface& x, Index edge_x, const DeformedSurface& y,
+                          Index edge_y) {
+    const auto& ends = x.topology().edges[edge_x].vertex;
+    return std::ranges::any_of(y.topology().edges[edge_y].triangle, [&](Index t) {
+      return t >= 0 && pierces(x.position(ends[0]), x.position(ends[1]), y.corner(t, 0), y.corner(t, 1),
+                               y.corner(t, 2));
+    });
+  }
+
+  static bool ends_outside(const DeformedSurface& x, Index edge_x, const DeformedSurface& y) {
+    return std::ranges::none_of(x.topology().edges[edge_x].vertex,
+                                [&](Index v) { return is_inside(y, x.position(v)); });
   }
 
   // Of one body, near at rest is no contact; of two, edges that penetrate have both inside between

@@ -154,7 +154,7 @@ std::optional<Ridge> ridge_of(const DeformedSurface& s, Index edge) {
                     s.face_normal(e.triangle[0]), beside[1], s.face_normal(e.triangle[1]));
 }
 
-std::optional<EdgeMinimum> edge_minimum(const Ridge& a, const Ridge& b) {
+std::optional<EdgeMinimum> edge_crossing(const Ridge& a, const Ridge& b) {
   const Vec3 u = a.to - a.from, v = b.to - b.from, w = a.from - b.from;
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v);
   const double determinant = uu * vv - uv * uv;
@@ -166,12 +166,18 @@ std::optional<EdgeMinimum> edge_minimum(const Ridge& a, const Ridge& b) {
     return std::nullopt;
   found.normal = u.cross(v).normalized();
   if (found.normal.dot(b.outward - a.outward) < 0) found.normal = -found.normal;
-  for (int side = 0; side < 2; ++side)
-    if (found.normal.dot(b.inward[side]) > edge_cone_slack ||
-        found.normal.dot(a.inward[side]) < -edge_cone_slack)
-      return std::nullopt;
-  if (found.normal.dot(b.outward) <= 0 || found.normal.dot(a.outward) >= 0) return std::nullopt;
   found.gap = w.dot(found.normal);
+  return found;
+}
+
+std::optional<EdgeMinimum> edge_minimum(const Ridge& a, const Ridge& b) {
+  const auto found = edge_crossing(a, b);
+  if (!found) return found;
+  for (int side = 0; side < 2; ++side)
+    if (found->normal.dot(b.inward[side]) > edge_cone_slack ||
+        found->normal.dot(a.inward[side]) < -edge_cone_slack)
+      return std::nullopt;
+  if (found->normal.dot(b.outward) <= 0 || found->normal.dot(a.outward) >= 0) return std::nullopt;
   return found;
 }
 

@@ -29,11 +29,17 @@ inline constexpr double merging_cosine = 0.966;
 // Two edges that penetrate have what both bodies cover between them, so deep below either surface, of
 // the depth by which they penetrate. Edges of different sides have not.
 inline constexpr double lens_part = 0.15;
+// Between two edges that have cut through each other, from one to the other: places that both bodies
+// cover.
+inline constexpr std::array<double, 3> between_edges = {0.25, 0.5, 0.75};
+// Of the depth of the cut: flush sides overlap by less than so much of it.
+inline constexpr double thin_part = 0.005;
 // Of the cones of edges, sine.
 inline constexpr double edge_cone_slack = 0.02;
 // Edges that turn by less, as the sine of the angle between their faces, stand out by less than 1 % of
 // their length: what they touch, vertices touch as well.
 inline constexpr double least_ridge = 0.05;
+inline constexpr double flat_part = 0.01;
 
 /// A feature of a surface at which the distance to a point has a local minimum.
 struct PointMinimum {
@@ -98,8 +104,11 @@ struct EdgeMinimum {
   double gap = 0;
 };
 
-/// The pair of points where the lines of two edges cross, if both lie inside the edges and the normal
-/// is in the cones of both.
+/// The pair of points where the lines of two edges cross, if both lie inside the edges; the normal
+/// leaves B rather than A.
+std::optional<EdgeMinimum> edge_crossing(const Ridge& a, const Ridge& b);
+
+/// The same, if the normal is in the cones of both.
 std::optional<EdgeMinimum> edge_minimum(const Ridge& a, const Ridge& b);
 
 /// A point well inside what two penetrating edges both cover.

@@ -25,7 +25,9 @@ struct LocalMinimum {
   Index feature_a = 0, feature_b = 0;
   Vec3 normal = Vec3::UnitZ();  ///< unit, from B to A
   Vec3 point_b = Vec3::Zero();  ///< the point of B; that of A is point_b + gap normal
-  double gap = 0;               ///< m; < 0 penetrates
+  /// m; < 0 penetrates. Where edges have cut through each other and one of them is flat, greater by 1 %
+  /// of that one's length.
+  double gap = 0;
 };
 
 /// Appends the local minima of distance between two refitted surfaces to `out`, ascending by

@@ -229,6 +229,15 @@ inline Vec3 brute_outward(const BruteSurface& s, const BruteSurface::Edge& e) {
   return sum.normalized();
 }
 
+/// Convex, and turns by enough to stand out.
+inline bool brute_is_ridge(const BruteSurface& s, const BruteSurface::Edge& e) {
+  const Vec3 along = (s.at(e.q) - s.at(e.p)).normalized();
+  const Vec3 arm = s.at(s.third(e.faces[1], e)) - s.at(e.p);
+  const Vec3 inward = (arm - along * along.dot(arm)).normalized();
+  const Vec3 n0 = s.normal(e.faces[0]), n1 = s.normal(e.faces[1]);
+  return n0.dot(inward) < (n0.dot(n1) < -0.9 ? 0 : -0.05);
+}
+
 /// The cone of a convex edge holds `direction`, to the sine given.
 inline bool brute_in_cone(const BruteSurface& s, const BruteSurface::Edge& e, const Vec3& direction) {
   const Vec3 along = (s.at(e.q) - s.at(e.p)).normalized();
@@ -237,23 +246,57 @@ inline bool brute_in_cone(const BruteSurface& s, const BruteSurface::Edge& e, co
     const Vec3 arm = s.at(s.third(e.faces[k], e)) - s.at(e.p);
     inward[k] = (arm - along * along.dot(arm)).normalized();
   }
-  const Vec3 n0 = s.normal(e.faces[0]), n1 = s.normal(e.faces[1]);
-  if (n0.dot(inward[1]) >= (n0.dot(n1) < -0.9 ? 0 : -0.05)) return false;
-  const Vec3 middle = n0 + n1 - inward[0] - inward[1];
+  if (!brute_is_ridge(s, e)) return false;
+  const Vec3 middle = s.normal(e.faces[0]) + s.normal(e.faces[1]) - inward[0] - inward[1];
   return direction.dot(inward[0]) <= 0.02 && direction.dot(inward[1]) <= 0.02 &&
          direction.dot(middle) > 0;
 }
 
-inline bool brute_pierces(const BruteSurface& x, const BruteSurface::Edge& e, const BruteSurface& y) {
+inline bool brute_pierces_face(const BruteSurface& x, const BruteSurface::Edge& e,
+                               const BruteSurface& y, const Triangle& c) {
   const Vec3 p = x.at(e.p), along = x.at(e.q) - p;
-  for (const auto& c : y.triangles) {
-    Mat3 system;
-    system << y.at(c[1]) - y.at(c[0]), y.at(c[2]) - y.at(c[0]), -along;
-    const Vec3 solved = system.fullPivLu().solve(p - y.at(c[0]));
-    if (solved[0] > 0 && solved[1] > 0 && solved[0] + solved[1] < 1 && solved[2] > 0 && solved[2] < 1)
-      return true;
-  }
-  return false;
+  Mat3 system;
+  system << y.at(c[1]) - y.at(c[0]), y.at(c[2]) - y.at(c[0]), -along;
+  const Vec3 solved = system.fullPivLu().solve(p - y.at(c[0]));
+  return solved[0] > 0 && solved[1] > 0 && solved[0] + solved[1] < 1 && solved[2] > 0 && solved[2] < 1;
+}
+
+inline bool brute_pierces(const BruteSurface& x, const BruteSurface::Edge& e, const BruteSurface& y) {
+  return std::ranges::any_of(y.triangles,
+                             [&](const Triangle& c) { return brute_pierces_face(x, e, y, c); });
+}
+
+/// Whether an edge of x pierces a face beside an edge of y.
+inline bool brute_cuts_beside(const BruteSurface& x, const BruteSurface::Edge& e, const BruteSurface& y,
+                              const BruteSurface::Edge& f) {
+  return std::ranges::any_of(
+      f.faces, [&](Index face) { return brute_pierces_face(x, e, y, y.triangles[face]); });
+}
+
+inline bool brute_inside(const BruteSurface& s, const Vec3& point) {
+  return brute_winding(s, point) > 0.5;
+}
+
+/// Two edges that have cut right through each other, all of whose ends are outside.
+inline bool brute_nick(const BruteSurface& a, const BruteSurface::Edge& e, const BruteSurface& b,
+                       const BruteSurface::Edge& f, const Vec3& pa, const Vec3& pb) {
+  const auto outward = [](const BruteSurface& s, const BruteSurface::Edge& edge) {
+    Vec3 sum = Vec3::Zero();
+    for (const Index face : edge.faces) sum += s.normal(face);
+    return sum.normalized();
+  };
+  if (!brute_is_ridge(a, e) && !brute_is_ridge(b, f)) return false;
+  if (!brute_cuts_beside(a, e, b, f) || !brute_cuts_beside(b, f, a, e)) return false;
+  if (!((pa - pb).dot(outward(b, f) - outward(a, e)) < 0)) return false;
+  for (const double share : {0.25, 0.5, 0.75})
+    for (const BruteSurface* s : {&a, &b}) {
+      const Vec3 place = pb + share * (pa - pb);
+      if (!brute_inside(*s, place) ||
+          std::abs(brute_feet(*s, place).front().gap) <= 0.005 * (pa - pb).norm())
+        return false;
+    }
+  return !brute_inside(b, a.at(e.p)) && !brute_inside(b, a.at(e.q)) && !brute_inside(a, b.at(f.p)) &&
+         !brute_inside(a, b.at(f.q));
 }
 
 inline void brute_edges(const BruteSurface& a, const BruteSurface& b, double alarm, double reach,
@@ -268,12 +311,13 @@ inline void brute_edges(const BruteSurface& a, const BruteSurface& b, double ala
       system << u, -v, cross.normalized();
       const Vec3 solved = system.fullPivLu().solve(b.at(f.p) - a.at(e.p));
       if (!(solved[0] > 0 && solved[0] < 1 && solved[1] > 0 && solved[1] < 1)) continue;
+      const Vec3 pa = a.at(e.p) + solved[0] * u, pb = b.at(f.p) + solved[1] * v;
+      bool is_minimum = false;
       for (const double sign : {-1.0, 1.0}) {
         const Vec3 normal = sign * cross.normalized();
         const double gap = -sign * solved[2];
         if (gap > alarm || gap < -reach) continue;
         if (!brute_in_cone(b, f, normal) || !brute_in_cone(a, e, -normal)) continue;
-        const Vec3 pa = a.at(e.p) + solved[0] * u, pb = b.at(f.p) + solved[1] * v;
         const Vec3 lens =
             0.5 * (pa + pb) + 0.25 * gap * (brute_outward(a, e) + brute_outward(b, f)).normalized();
         const bool deep = gap < -alarm / 4;
@@ -281,8 +325,15 @@ inline void brute_edges(const BruteSurface& a, const BruteSurface& b, double ala
         if (gap < 0 && !(brute_feet(b, lens).front().gap < 0.15 * gap &&
                          brute_feet(a, lens).front().gap < 0.15 * gap))
           continue;
+        is_minimum = true;
         out.push_back({Index(a.vertices.size() + i), Index(b.vertices.size() + j), gap, normal, pb});
       }
+      const double depth = (pa - pb).norm();
+      if (!is_minimum && depth <= reach && brute_nick(a, e, b, f, pa, pb))
+        out.push_back({Index(a.vertices.size() + i), Index(b.vertices.size() + j),
+                       (brute_is_ridge(a, e) ? 0 : 0.01 * u.norm()) +
+                           (brute_is_ridge(b, f) ? 0 : 0.01 * v.norm()) - depth,
+                       (pb - pa) / depth, pb});
     }
 }
 

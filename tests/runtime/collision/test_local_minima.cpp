@@ -27,6 +27,11 @@ Vec3 point_of(const SurfacePoint& p, const Eigen::VectorXd& x) {
   return sum;
 }
 
+double longest_edge(const LocalMinimum& m, const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
+  return std::max((node_entry(a, m.a.node[1]) - node_entry(a, m.a.node[0])).norm(),
+                  (node_entry(b, m.b.node[1]) - node_entry(b, m.b.node[0])).norm());
+}
+
 // Names the first difference, or nothing.
 std::string compare(const std::vector<LocalMinimum>& found,
                     const std::vector<test::BrutePair>& expected) {
@@ -98,8 +103,11 @@ TEST(LocalMinima, PointsWeightsNormalsAndGapsAgree) {
     for (const auto& m : minima(a, b, 0.3, 0.3)) {
       EXPECT_NEAR(m.normal.norm(), 1, 1e-12);
       EXPECT_LT((point_of(m.b, b.x) - m.point_b).norm(), 1e-12);
-      // Beside a face by up to 2 % of the alarm distance counts as over it.
-      EXPECT_LE((point_of(m.a, a.x) - m.point_b - m.gap * m.normal).norm(), 0.3 * 0.02 + 1e-9);
+      // Beside a face by up to 2 % of the alarm distance counts as over it; a flat edge that is cut may
+      // be cut by 1 % of its length.
+      const double left_out =
+          m.a.count == 2 && m.b.count == 2 ? 0.01 * longest_edge(m, a.x, b.x) : 0.3 * 0.02;
+      EXPECT_LE((point_of(m.a, a.x) - m.point_b - m.gap * m.normal).norm(), left_out + 1e-9);
     }
   }
 }
@@ -144,6 +152,29 @@ TEST(LocalMinima, EqualBoxesStackedFlushHoldEachOtherAtEveryCornerToAnyDepth) {
         ++held[(m.point_b.x() > 0 ? 1 : 0) + (m.point_b.y() > 0 ? 2 : 0)];
       }
       for (const int count : held) EXPECT_GE(count, 1) << shift << " " << gap;
+    }
+}
+
+// A blade cuts into an edge: what both cover is thin, and no vertex is inside.
+TEST(LocalMinima, EdgesThatHaveCutThroughEachOtherAreHeldThoughNoVertexIsInside) {
+  Body blade({1, 1, 1}, {4, 1, 1}), block({1, 1, 1}, {4, 1, 1});
+  const Mat3 on_edge = Eigen::AngleAxisd(M_PI / 4, Vec3::UnitX()).toRotationMatrix();
+  const Mat3 across = Eigen::AngleAxisd(1.2, Vec3::UnitZ()).toRotationMatrix();
+  const double to_edge = std::sqrt(0.5);
+  for (const double depth : {1e-6, 1e-3, 0.03})
+    for (const double lean : {0.0, 0.1}) {
+      Mat3 sharp = Vec3(1, 0.2, 1).asDiagonal();
+      sharp(1, 2) = lean;
+      blade.place(sharp * on_edge, to_edge * Vec3(0, lean, 1));
+      block.place(across * on_edge, {0, 0, depth - to_edge});
+      for (const double alarm : {0.01, 0.3}) {
+        const auto found = minima(blade, block, alarm, 0.3);
+        ASSERT_EQ(found.size(), 1U) << depth << " " << lean << " " << alarm;
+        EXPECT_EQ(found[0].a.count, 2);
+        EXPECT_EQ(found[0].b.count, 2);
+        EXPECT_NEAR(found[0].gap, -depth, 1e-12);
+        EXPECT_GT(found[0].normal.z(), 1 - 1e-9);
+      }
     }
 }
 
